@@ -4,7 +4,7 @@ import math
 import random
 
 GROUPS = ["clean", "rolling, stated", "rolling, not stated", "tone curve", "shadow and flicker", "fast vibration", "out of plane", "covered target",
-          "low light", "strong lens", "far small prints", "telephoto", "drone", "rotating targets"]
+          "low light", "strong lens", "far small prints", "telephoto", "drone", "rotating targets", "tilted prints"]
 STATEMENTS = {  # [known_to]: position mm, rotation deg, height mm, print scale
     "default": (1.0, 0.3, 3.0, 0.0005),
     "taped": (0.5, 0.2, 1.0, 0.0005),
@@ -49,6 +49,8 @@ def of_group(group, f, rng):
         f.update(exposure_ms=rng.choice([50.0, 100.0]), move="sine", move_hz=rng.uniform(2, 9), move_pitch=rng.uniform(0.02, 0.25), time_samples=6, sway_hz=0.4)
     elif group == "rotating targets":
         f.update(turn_mrad=10 ** rng.uniform(-0.5, 1.7))
+    elif group == "tilted prints":
+        f.update(mount_mrad=10 ** rng.uniform(0.5, 1.6))
     elif group == "out of plane":
         f.update(dz_mm=10 ** rng.uniform(0, 1.5))
     elif group == "covered target":
@@ -71,6 +73,7 @@ def of_group(group, f, rng):
 def factors_of(group, seed, forced):
     rng = random.Random(f"world {seed}")
     f = base_factors(rng)
+    f["mount_mrad"] = random.Random(f"mount {seed}").uniform(0, 6)
     f = of_group(group, f, random.Random(f"{group} {seed}"))
     for key, value in forced.items():
         if key not in f:

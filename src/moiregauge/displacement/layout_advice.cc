@@ -92,16 +92,31 @@ std::optional<std::string> still_camera_note(const Scene& scene, std::span<const
       lens, turn_deg);
 }
 
-std::vector<std::string> rotation_notes(const Site& site, const RotationRemoval& removal,
+namespace {
+
+// Returns the largest change of a removed movement since the reference frame.
+Eigen::Vector4d largest_movement(std::span<const BundleFrame> frames, std::size_t marker) {
+  Eigen::Vector4d most = Eigen::Vector4d::Zero();
+  for (const BundleFrame& frame : frames) {
+    if (!frame.removed.empty() && !frames.front().removed.empty())
+      most = most.cwiseMax((frame.removed[marker] - frames.front().removed[marker]).cwiseAbs());
+  }
+  return most;
+}
+
+}  // namespace
+
+std::vector<std::string> movement_notes(const Site& site, const MovementRemoval& removal,
                                         std::span<const BundleFrame> frames) {
   std::vector<std::string> out;
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
-    if (!removal.rotation(i).rotates()) continue;
-    double most_rad = 0.0;
-    for (const BundleFrame& frame : frames) {
-      if (!frame.removed_rad.empty() && !frames.front().removed_rad.empty())
-        most_rad = std::max(most_rad, std::abs(frame.removed_rad[i].z() - frames.front().removed_rad[i].z()));
-    }
+    const TargetMovement& movement = removal.movement(i);
+    const Eigen::Vector4d most = largest_movement(frames, i), u = std::sqrt(2.0) * movement.u;
+    if (movement.leaves_plane())
+      out.push_back(fmt::format("note: '{}' moves towards or away from the camera, by up to {:.3g} mm (u {:.2g} mm). Its "
+                                "displacement is corrected for it",
+                                site.markers[i].name, most(MovementAxis::kHeight), u(MovementAxis::kHeight)));
+    if (!movement.rotates()) continue;
     const RotationCentre& centre = removal.centre(i);
     const std::string point = centre.is_middle
                                   ? "the middle of its grating"
@@ -109,8 +124,8 @@ std::vector<std::string> rotation_notes(const Site& site, const RotationRemoval&
     out.push_back(fmt::format(
         "note: '{}' rotates, in its plane by up to {:.3g} mrad (u {:.2g} mrad). Its displacement is that of {}. Points "
         "100 mm from there move by up to {:.2g} mm more",
-        site.markers[i].name, 1e3 * most_rad, 1e3 * std::sqrt(2.0) * removal.rotation(i).u_in_plane_rad, point,
-        100.0 * most_rad));
+        site.markers[i].name, 1e3 * most(MovementAxis::kInPlane), 1e3 * u(MovementAxis::kInPlane), point,
+        100.0 * most(MovementAxis::kInPlane)));
   }
   return out;
 }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "moiregauge/calibration/model/calibrate.h"
-#include "moiregauge/calibration/model/target_rotation.h"
+#include "moiregauge/calibration/model/target_movement.h"
 #include "moiregauge/observation/reference/reference.h"
 
 namespace moiregauge::internal {
@@ -24,9 +24,9 @@ namespace moiregauge::internal {
 // Returns one line if the camera hardly rotates and moves in these frames. Its lens was then hardly tested.
 [[nodiscard]] std::optional<std::string> still_camera_note(const Scene& scene, std::span<const BundleFrame> frames);
 
-// Returns one line per target whose rotation was removed from these frames, with the largest rotation in
-// its plane. The reference frame is the first one.
-[[nodiscard]] std::vector<std::string> rotation_notes(const Site& site, const RotationRemoval& removal,
+// Returns a line for every target whose height or rotation was removed from these frames, with the largest
+// one since the reference frame, which is the first.
+[[nodiscard]] std::vector<std::string> movement_notes(const Site& site, const MovementRemoval& removal,
                                                       std::span<const BundleFrame> frames);
 
 }  // namespace moiregauge::internal

@@ -29,7 +29,7 @@ PrintError print_error_of(const Site& site, const BundleSolution& solution, std:
                           const ScenePrior& prior, const PrintError& last) {
   const BundleSolution largest =
       Bundle(site, solution.frames, prior)
-          .solve(kEverything, solution.scene, solution.frames, FocalLength::kAsModel, Until::kChi2Converged);
+          .solve(everything_with(solution.scene.model), solution.scene, solution.frames, FocalLength::kAsModel, Until::kChi2Converged);
   if (!largest.scene.solved) return {};
   const auto fits = fits_of(site, largest);
   PrintError error;
@@ -77,6 +77,7 @@ ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const
     reduction += chi2_of_turning(site, solution.scene, solution.frames[k], fits[k], given.rows_run);
   out.share = reduction / chi2;
   const double turned = reduction - static_cast<double>(kTurning * frames);
+  out.share_of_excess = turned / excess;
   out.suggests_rolling_shutter = turned > bic_penalty(dof) && turned > kWorthAsking * excess;
   return out;
 }
@@ -91,6 +92,19 @@ ScenePrior for_stretched(ScenePrior prior, double stretch) {
     if (scale > 0.0) scale = std::hypot(scale, 0.5 * beyond);
   }
   return prior;
+}
+
+// Solves again with tilts. They are kept if they explain more of the residuals than a suspected rolling shutter does.
+void try_tilts(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& given, BundleSolution& solution,
+               Calibration& out) {
+  auto tilted = with_tilts(site, frames, out.prior, {}, solution);
+  if (!tilted) return;
+  if (out.shutter.suggests_rolling_shutter &&
+      out.shutter.share_of_excess > share_of_excess(solution.scene, tilted->scene))
+    return;
+  solution = *std::move(tilted);
+  out.fits = fits_of(site, solution);
+  out.shutter = shutter_test(site, solution, out.fits, given);
 }
 
 template <typename Frame>
@@ -123,14 +137,16 @@ std::vector<std::size_t> key_frames(std::span<const FrameStart> frames, std::siz
   return chosen_of(frames, most);
 }
 
-Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& given, Until until) {
+Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& given,
+                      const CalibrateOptions& options) {
   Calibration best;
   ScenePrior& prior = best.prior;
   prior = given;
-  auto solution = select_scene_model(site, frames, prior, Prints::kPerfect, until);
+  const Selection perfect{Prints::kPerfect, options.until};
+  auto solution = select_scene_model(site, frames, prior, perfect);
   for (int wider = 0; wider < kWiderPriors && solution && is_beyond(solution->scene.stretch, prior); ++wider) {
     prior = for_stretched(given, solution->scene.stretch);
-    solution = select_scene_model(site, frames, prior, Prints::kPerfect, until);
+    solution = select_scene_model(site, frames, prior, perfect);
   }
   if (!solution) {
     best.bundle.scene.solved = false;
@@ -141,12 +157,17 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
   }
   best.fits = fits_of(site, *solution);
   best.shutter = shutter_test(site, *solution, best.fits, given);
+  if (options.tilts) try_tilts(site, frames, given, *solution, best);
   for (int round = 0; round < kErrorRounds; ++round) {
     const PrintError error = print_error_of(site, *solution, frames, prior, best.print_error);
     if (is_the_same(error, best.print_error)) break;
-    auto again = select_scene_model(site, with_print_error(site, frames, error), prior,
-                                    error.points_mm > 0.0 ? Prints::kRough : Prints::kPerfect, until);
+    const Selection selection{error.points_mm > 0.0 ? Prints::kRough : Prints::kPerfect, options.until};
+    const auto weighed = with_print_error(site, frames, error);
+    auto again = select_scene_model(site, weighed, prior, selection);
     if (!again) break;
+    if (solution->scene.model.tilts) {
+      if (auto tilted = with_tilts(site, weighed, prior, selection, *again)) again = std::move(tilted);
+    }
     solution = std::move(again);
     best.print_error = error;
   }

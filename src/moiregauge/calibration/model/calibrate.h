@@ -14,8 +14,14 @@ namespace moiregauge::internal {
 struct ShutterTest {
   double chi2_dof = 0.0;
   double share = 0.0;  // fraction of chi2 that rotation during readout explains
+  double share_of_excess = 0.0;  // fraction of what exceeds noise, after rotation that noise explains
   long dof = 0;
   bool suggests_rolling_shutter = false;  // the fall exceeds chance and a quarter of the excess over noise
+};
+
+struct CalibrateOptions {
+  Until until = Until::kConverged;  // stop criterion of each solution
+  bool tilts = true;                // false: all prints are parallel to the plane
 };
 
 struct Calibration {
@@ -33,10 +39,10 @@ struct Calibration {
 // Heights and depths are free within their priors. With a print error they must satisfy BIC, too.
 // The priors of stretch and scales grow if the stretch exceeds 3 u of its prior. The reason is that images do not show
 // which axis has the stated pitch.
-// `until`: stop criterion of each solution.
+// Tilts of the prints are solved if BIC accepts them, and if they explain more than a suspected rolling shutter.
 // Fails (bundle.scene.solved = false): no lens model could be solved.
 [[nodiscard]] Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
-                                    Until until = Until::kConverged);
+                                    const CalibrateOptions& options = {});
 
 // Returns the sorted indices of the key frames. These are `most` (at least 2) evenly spread frames with both ends, and
 // up to twelve with the extremes of the pose. Returns all frames if there are no more than `most`.

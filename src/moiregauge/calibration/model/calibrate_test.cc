@@ -129,7 +129,7 @@ TEST(Calibrate, AReferenceOffThePlaneIsNoGratingOfAnotherPitch) {
                         .angles = swinging(1.0),
                         .height_mm = {0, -60.0, 0, 0, 0, 0, 0}};
   const ScenePrior prior = scene_prior(truth.site, truth.camera.width, truth.camera.height, std::nullopt);
-  const auto solved = select_scene_model(truth.site, footage_of(truth, 8).frames, prior, Prints::kPerfect);
+  const auto solved = select_scene_model(truth.site, footage_of(truth, 8).frames, prior, {});
   ASSERT_TRUE(solved);
   const Scene& scene = solved->scene;
   EXPECT_NEAR(scene.camera.fx / truth.camera.fx, 1.0, 0.02) << "seed " << kFootageSeed;
@@ -142,7 +142,7 @@ TEST(Calibrate, ResidualsBeyondNoiseDoNotExcludeHeights) {
   for (const double k1 : {0.0, -0.0225}) {
     const Recording truth{.camera = lens(k1), .angles = swinging(1.0), .noise = 20.0 * kNoise};
     const ScenePrior prior = scene_prior(truth.site, truth.camera.width, truth.camera.height, std::nullopt);
-    const auto solved = select_scene_model(truth.site, footage_of(truth, 8).frames, prior, Prints::kPerfect);
+    const auto solved = select_scene_model(truth.site, footage_of(truth, 8).frames, prior, {});
     ASSERT_TRUE(solved);
     EXPECT_TRUE(solved->scene.model.heights) << solved->scene.model.name() << ", seed " << kFootageSeed;
     EXPECT_GT(solved->scene.camera.fx, 0.5 * truth.camera.fx);

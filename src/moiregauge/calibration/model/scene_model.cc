@@ -81,8 +81,7 @@ BundleSolution at_focal_length(BundleSolution solution, double factor) {
 // Settings of a choice between models. `penalty`: of BIC, per parameter.
 struct Choice {
   double penalty;
-  Prints prints;
-  Until until;
+  Selection selection;
 };
 
 // Frees heights and depths, which cost nothing beyond their priors. Excluded where they are true they bend the lens,
@@ -93,7 +92,7 @@ BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePr
                            const Choice& choice) {
   const int side = std::max(prior.camera.width, prior.camera.height);
   const auto due = [&](const SceneModel& m) {
-    return choice.penalty * (choice.prints == Prints::kRough
+    return choice.penalty * (choice.selection.prints == Prints::kRough
                                  ? parameters(site, m) - parameters(site, best.scene.model)
                                  : count(free_common(m)) - count(free_common(best.scene.model)));
   };
@@ -106,9 +105,10 @@ BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePr
     return model;
   };
   const auto solve = [&](const SceneModel& model, const Scene& scene, std::span<const BundleFrame> frames) {
-    return bundle.solve(model, scene, frames, FocalLength::kAsModel, choice.until);
+    return bundle.solve(model, scene, frames, FocalLength::kAsModel, choice.selection.until);
   };
-  BundleSolution all = solve(kEverything, best.scene, best.frames);
+  const SceneModel everything = everything_with(best.scene.model);
+  BundleSolution all = solve(everything, best.scene, best.frames);
   take_if_better(solve(with_heights(best.scene.model), all.scene, all.frames));
   take_if_better(std::move(all));
   if (const auto start = with_heights_for_scales(prior, best))
@@ -116,10 +116,14 @@ BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePr
   if (prior.u_camera[0] > 0.0 && best.scene.camera.fx > kLongFocal * side) {
     const BundleSolution start = at_focal_length(best, kShortFocal * side / best.scene.camera.fx);
     take_if_better(solve(with_heights(best.scene.model), start.scene, start.frames));
-    take_if_better(solve(kEverything, start.scene, start.frames));
+    take_if_better(solve(everything, start.scene, start.frames));
   }
   return best;
 }
+
+// Least share of the excess of chi2 over its degrees of freedom that tilts must explain. Their many parameters otherwise
+// follow a rolling shutter or a reference that creeps, and explain a little of it. Chosen.
+constexpr double kTiltsExplain = 0.25;
 
 // A model is not solved if its first step predicts less than this fraction of its BIC penalty. Chosen.
 constexpr double kMinPrediction = 0.25;
@@ -127,7 +131,7 @@ constexpr double kMinPrediction = 0.25;
 }  // namespace
 
 std::optional<BundleSolution> select_scene_model(const Site& site, std::span<const BundleFrame> frames,
-                                                 const ScenePrior& prior, Prints prints, Until until) {
+                                                 const ScenePrior& prior, const Selection& selection) {
   const Bundle bundle(site, frames, prior);
   BundleSolution best;
   const int side = std::max(prior.camera.width, prior.camera.height);
@@ -136,7 +140,7 @@ std::optional<BundleSolution> select_scene_model(const Site& site, std::span<con
   const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
     const double due = have ? penalty * (parameters(site, model) - parameters(site, best.scene.model)) : 0.0;
     if (from != nullptr && bundle.predicted_reduction(model, *from) < kMinPrediction * due) return false;
-    const auto solved = [&](FocalLength f) { return bundle.solve(model, from->scene, from->frames, f, until); };
+    const auto solved = [&](FocalLength f) { return bundle.solve(model, from->scene, from->frames, f, selection.until); };
     BundleSolution solution = from == nullptr ? bundle.solve(model) : solved(FocalLength::kAsModel);
     if (from != nullptr && !is_sane(solution.scene, side) && solution.scene.chi2_dof > kBeyondNoise)
       solution = solved(FocalLength::kHeld);
@@ -147,13 +151,34 @@ std::optional<BundleSolution> select_scene_model(const Site& site, std::span<con
     return true;
   };
   for (const SceneModel& model : kModels) attempt(model, have ? &best : nullptr);
-  for (const bool heights : {true, false}) {
+  for (bool SceneModel::*const more : {&SceneModel::heights, &SceneModel::depth}) {
     SceneModel model = best.scene.model;
-    (heights ? model.heights : model.depth) = true;
+    model.*more = true;
     if (have) attempt(model, &best);
   }
   if (!have) return std::nullopt;
-  return with_shapes(bundle, site, prior, std::move(best), {penalty, prints, until});
+  return with_shapes(bundle, site, prior, std::move(best), {penalty, selection});
+}
+
+std::optional<BundleSolution> with_tilts(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
+                                         const Selection& selection, const BundleSolution& without) {
+  const Bundle bundle(site, frames, prior);
+  const double penalty = bic_penalty(rows_of(frames));
+  SceneModel model = without.scene.model;
+  model.tilts = true;
+  const double due = penalty * (parameters(site, model) - parameters(site, without.scene.model));
+  if (bundle.predicted_reduction(model, without) < kMinPrediction * due) return std::nullopt;
+  BundleSolution tilted =
+      bundle.solve(model, without.scene, without.frames, FocalLength::kAsModel, selection.until);
+  const int side = std::max(prior.camera.width, prior.camera.height);
+  const double gain = without.scene.penalised_cost - tilted.scene.penalised_cost;
+  if (!is_sane(tilted.scene, side) || gain < due) return std::nullopt;
+  if (!(share_of_excess(without.scene, tilted.scene) > kTiltsExplain)) return std::nullopt;
+  return with_shapes(bundle, site, prior, std::move(tilted), {penalty, selection});
+}
+
+double share_of_excess(const Scene& without, const Scene& with) {
+  return (without.chi2_dof - with.chi2_dof) / std::max(1e-12, without.chi2_dof - 1.0);
 }
 
 }  // namespace moiregauge::internal

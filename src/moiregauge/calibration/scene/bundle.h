@@ -39,8 +39,9 @@ struct BundleFrame {
   double time_s = kNotTimed;
   std::optional<RowDesign> rows = std::nullopt;  // rolling shutter: the points are already at frame time
   Motion motion = Motion::Zero();                // deviation from the expected motion, start value
-  // Rotations that were removed from the targets' points, one per site marker, rad. Empty: none. See target_rotation.h.
-  std::vector<Eigen::Vector3d> removed_rad{};
+  // Movements beyond displacement that were removed from the targets' points, one per site marker: height (mm) and
+  // rotation (rad). Empty: none. See target_movement.h.
+  std::vector<Eigen::Vector4d> removed{};
 };
 
 // Direction in the displayed image in which the sensor reads one row after the other.

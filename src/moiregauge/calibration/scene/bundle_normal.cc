@@ -49,7 +49,7 @@ double scaled_step(double value, double step, double log_f, int power) {
 int power_of_f(int index) {
   constexpr std::array<int, kCommonParameters> kOfCamera{1, 0, 0, 2, 4, 1, 1, 6};
   if (index < kCommonParameters) return kOfCamera[static_cast<std::size_t>(index)];
-  return (index - kCommonParameters) % kShapeParameters == MarkerShape::kHeight ? 1 : 0;
+  return (index - kCommonParameters) % kShapeParameters >= MarkerShape::kHeight ? 1 : 0;
 }
 
 }  // namespace

@@ -51,8 +51,17 @@ struct Recording {
   std::function<Angles(double)> angles;  // camera angles by time in s
   double readout_s = 0.0;                // time to read all rows, from the first to the last
   std::vector<double> height_mm{};       // one per marker; empty: all are in the plane
+  // Tilts about the board's x and y axes, rad, one per marker. Empty: all prints are parallel to the plane.
+  std::vector<Extent<frame::Board>> tilt{};
   double noise = kNoise;                 // pitches
 };
+
+// Returns the rotation of a tilted print.
+inline Eigen::Matrix3d rotation_of(Extent<frame::Board> tilt_rad) {
+  const Eigen::Vector3d turn(tilt_rad.x, tilt_rad.y, 0.0);
+  return Eigen::AngleAxisd(turn.norm(), turn.norm() > 0.0 ? turn.normalized() : Eigen::Vector3d::UnitX())
+      .toRotationMatrix();
+}
 
 // Returns the frame at a time at which the markers have moved by `moved` (mm, one per site marker).
 inline BundleFrame frame_of(const Recording& truth, double time_s, const std::vector<Extent<frame::Board>>& moved,
@@ -66,13 +75,15 @@ inline BundleFrame frame_of(const Recording& truth, double time_s, const std::ve
   for (std::size_t k = 0; k < truth.site.markers.size(); ++k) {
     const Marker& m = truth.site.markers[k];
     const double height = truth.height_mm.empty() ? 0.0 : truth.height_mm[k];
+    const Eigen::Matrix3d tilted = rotation_of(truth.tilt.empty() ? Extent<frame::Board>{} : truth.tilt[k]);
     PatchFit fit;
     for (int n = 0; n < kPatchPoints; ++n) {
       const double x = (n % 3 - 1) * m.grating->width_mm / 3.0, y = (n / 3 - 1) * m.grating->height_mm / 3.0;
       const auto i = static_cast<std::size_t>(n);
+      const Eigen::Vector3d point = tilted * Eigen::Vector3d(x, y, 0.0);
       const auto at = [&](double when) {
-        return View{seen_from(camera, truth.angles(when), height),
-                    camera}(m.grating->centre + moved[k] + Extent<frame::Board>{x, y});
+        return View{seen_from(camera, truth.angles(when), height + point.z()),
+                    camera}(m.grating->centre + moved[k] + Extent<frame::Board>{point.x(), point.y()});
       };
       fit.image[i] = at(time_s);
       // A point is read when the readout reaches the row in which it is then seen. Each step reduces the error by the

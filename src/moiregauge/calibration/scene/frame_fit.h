@@ -59,7 +59,7 @@ struct FrameFit {
   double readout_information = 0.0, readout_slope = 0.0;
 };
 
-// Returns the number of scene parameters: 9, and 5 per marker.
+// Returns the number of scene parameters: 9, and 7 per marker.
 [[nodiscard]] int scene_parameters(std::size_t markers);
 
 // Fits the camera pose and the target shifts of one frame to a fixed scene (at most four Gauss-Newton steps from

@@ -18,7 +18,7 @@ namespace moiregauge::internal {
 // its u is 0 and it stays fixed.
 [[nodiscard]] constexpr std::array<bool, MarkerShape::kParameters> free_shape(const SceneModel& m, Role role) {
   const bool reference = role == Role::kReference;
-  return {true, true, true, true, reference ? m.heights : m.depth};
+  return {true, true, true, true, reference ? m.heights : m.depth, m.tilts, m.tilts};
 }
 
 }  // namespace moiregauge::internal

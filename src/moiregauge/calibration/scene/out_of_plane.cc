@@ -25,19 +25,8 @@ using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
 
 double distance_of(const Pose& camera) { return camera.shift[2]; }
 
-// Returns the difference of two views: rotations in rad and movement relative to the distance.
-double difference_of(const ShownHeight& a, const ShownHeight& b) {
-  double turned = 0.0, moved = 0.0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    turned += std::pow(a.camera.turn[k] - b.camera.turn[k], 2);
-    moved += std::pow(a.camera.shift[k] - b.camera.shift[k], 2);
-  }
-  return std::sqrt(turned) + (a.rotation_rad - b.rotation_rad).norm() + std::sqrt(moved) / distance_of(a.camera);
-}
-
-// Returns the standard uncertainty of a grating's size between two views beyond noise, relative.
 double u_of_size(const ShownHeight& a, const ShownHeight& b) {
-  return kSteadySize + kSizeByView * std::min(kOtherView, difference_of(a, b));
+  return u_of_size(a.camera, b.camera, a.rotation_rad - b.rotation_rad);
 }
 
 // `rotation_rad`: that was removed from a target that rotates, otherwise zero. A tilt stretches it, too, so its stretch
@@ -70,6 +59,16 @@ std::optional<ShownHeight> shown_height(const PatchResidual::Design& design, con
 
 }  // namespace
 
+double u_of_size(const Pose& now, const Pose& then, const Eigen::Vector3d& turned_rad) {
+  double turned = 0.0, moved = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    turned += std::pow(now.turn[k] - then.turn[k], 2);
+    moved += std::pow(now.shift[k] - then.shift[k], 2);
+  }
+  const double difference = std::sqrt(turned) + turned_rad.norm() + std::sqrt(moved) / distance_of(now);
+  return kSteadySize + kSizeByView * std::min(kOtherView, difference);
+}
+
 std::vector<std::optional<ShownHeight>> shown_heights(const Site& site, const Scene& scene, const BundleFrame& frame,
                                                       const FrameFit& fit) {
   std::vector<std::optional<ShownHeight>> out(site.markers.size());
@@ -78,7 +77,7 @@ std::vector<std::optional<ShownHeight>> shown_heights(const Site& site, const Sc
     if (fit.shift_row[i] < 0 || !frame.points[i]) continue;
     const PatchResidual patch(*frame.points[i], site.markers[i]);
     out[i] = shown_height(fitted_design(patch, scene, frame, fit, i), fit.pose,
-                          frame.removed_rad.empty() ? Eigen::Vector3d::Zero() : frame.removed_rad[i]);
+                          frame.removed.empty() ? Eigen::Vector3d::Zero() : Eigen::Vector3d(frame.removed[i].tail<3>()));
   }
   return out;
 }

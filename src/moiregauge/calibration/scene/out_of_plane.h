@@ -30,6 +30,10 @@ struct ShownHeight {
 [[nodiscard]] std::vector<std::optional<ShownHeight>> shown_heights(const Site& site, const Scene& scene,
                                                                     const BundleFrame& frame, const FrameFit& fit);
 
+// Returns the standard uncertainty of a grating's size between two views beyond noise, relative. `turned_rad`: rotation
+// of the target between them.
+[[nodiscard]] double u_of_size(const Pose& now, const Pose& then, const Eigen::Vector3d& turned_rad);
+
 // Movement out of the plane between two frames.
 struct OutOfPlane {
   double height_mm = 0.0, u_mm = 0.0;
@@ -39,6 +43,10 @@ struct OutOfPlane {
 };
 
 [[nodiscard]] OutOfPlane out_of_plane(const ShownHeight& now, const ShownHeight& then);
+
+// Mean square of HeightScatter that proves a movement out of the plane. Noise in ten frames exceeds 4 once in 30 000
+// runs. Chosen.
+inline constexpr double kHeightScatters = 4.0;
 
 // Scatter of a target's heights over many frames, as each axis of its grating shows them. It is independent of the
 // noise of the reference frame, and small movements in many frames add up.

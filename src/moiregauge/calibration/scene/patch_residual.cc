@@ -178,26 +178,33 @@ PatchResidual::Design PatchResidual::off(const CommonNumbers& common, const Mark
   const double angle = angle_rad_ + shape.value[MarkerShape::kRotation], scale = 1.0 + shape.value[MarkerShape::kScale];
   const double half = 0.5 * common[kStretchParameter];
   const double c = pitch_mm_ * std::cos(angle), s = pitch_mm_ * std::sin(angle);
-  const double x0 = x_mm_ + shape.value[MarkerShape::kX] + shift.x, y0 = y_mm_ + shape.value[MarkerShape::kY] + shift.y;
+  const Vector3d centre(x_mm_ + shape.value[MarkerShape::kX] + shift.x, y_mm_ + shape.value[MarkerShape::kY] + shift.y,
+                        shape.value[MarkerShape::kHeight]);
+  const TurnedPose tilt({tilt_of(shape), {}});
+  const Eigen::Matrix<double, 3, 2> axes = tilt.rotation.leftCols<2>();
   Design off;
   for (std::size_t n = 0; n < kPatchPoints; ++n) {
     const double px = (1.0 + half) * print_[n].x, py = (1.0 - half) * print_[n].y;
     const double bx = c * px - s * py, by = s * px + c * py;
-    const Vector3d turned =
-        pose.rotation * Vector3d(x0 + scale * bx, -(y0 + scale * by), -shape.value[MarkerShape::kHeight]);
+    const Vector3d from_centre = axes.lazyProduct(Vector2d(scale * bx, scale * by)), board = centre + from_centre;
+    const Vector3d turned = pose.rotation * Vector3d(board.x(), -board.y(), -board.z());
     const Projection seen = projection(common, turned + pose.shift);
     const Eigen::Matrix<double, 2, 3> by_point = pitches_per_px_[n].lazyProduct(seen.by_point);
-    const Eigen::Matrix<double, 2, 3> by_board = by_point.lazyProduct(pose.rotation);  // derivatives by (X, -Y, -Z)
+    Eigen::Matrix<double, 2, 3> by_board = by_point.lazyProduct(pose.rotation);  // derivatives by (X, -Y, -Z)
+    by_board.rightCols<2>() *= -1.0;
+    const Matrix2d by_print = by_board.lazyProduct(axes);
     Eigen::Matrix<double, 2, PatchColumn::kColumns> rows;
     rows.leftCols<kCameraParameters>() = pitches_per_px_[n].lazyProduct(seen.by_camera);
     const double ex = 0.5 * scale * print_[n].x, ey = -0.5 * scale * print_[n].y;  // by half the stretch
-    rows.col(kStretchParameter) = (c * ex - s * ey) * by_board.col(0) - (s * ex + c * ey) * by_board.col(1);
+    rows.col(kStretchParameter) = (c * ex - s * ey) * by_print.col(0) + (s * ex + c * ey) * by_print.col(1);
     auto by_shape = rows.middleCols<MarkerShape::kParameters>(PatchColumn::kShape);
     by_shape.col(MarkerShape::kX) = by_board.col(0);
-    by_shape.col(MarkerShape::kY) = -by_board.col(1);
-    by_shape.col(MarkerShape::kRotation) = scale * (-by * by_board.col(0) - bx * by_board.col(1));
-    by_shape.col(MarkerShape::kScale) = bx * by_board.col(0) - by * by_board.col(1);
-    by_shape.col(MarkerShape::kHeight) = -by_board.col(2);
+    by_shape.col(MarkerShape::kY) = by_board.col(1);
+    by_shape.col(MarkerShape::kRotation) = scale * (bx * by_print.col(1) - by * by_print.col(0));
+    by_shape.col(MarkerShape::kScale) = bx * by_print.col(0) + by * by_print.col(1);
+    by_shape.col(MarkerShape::kHeight) = by_board.col(2);
+    const Eigen::Matrix<double, 2, 3> by_tilt = by_board.lazyProduct(cross_with(from_centre));
+    by_shape.middleCols<2>(MarkerShape::kTiltX) = -by_tilt.lazyProduct(tilt.left.leftCols<2>());
     const Eigen::Matrix<double, 2, 3> by_turn = by_point.lazyProduct(cross_with(turned));
     rows.middleCols<3>(PatchColumn::kPose) = -by_turn.lazyProduct(pose.left);
     rows.middleCols<3>(PatchColumn::kPose + 3) = by_point;
@@ -255,8 +262,10 @@ std::array<double, 3> PatchResidual::board(double stretch, const MarkerShape& sh
   const double pitch = pitch_mm_ * (1.0 + shape.value[MarkerShape::kScale]);
   const double c = pitch * std::cos(angle), s = pitch * std::sin(angle);
   const double px = (1.0 + 0.5 * stretch) * print_[n].x, py = (1.0 - 0.5 * stretch) * print_[n].y;
-  return {x_mm_ + shape.value[MarkerShape::kX] + shift.x + c * px - s * py,
-          y_mm_ + shape.value[MarkerShape::kY] + shift.y + s * px + c * py, shape.value[MarkerShape::kHeight]};
+  const auto from_centre = turned_by(tilt_of(shape).data(), std::array{c * px - s * py, s * px + c * py, 0.0});
+  return {x_mm_ + shape.value[MarkerShape::kX] + shift.x + from_centre[0],
+          y_mm_ + shape.value[MarkerShape::kY] + shift.y + from_centre[1],
+          shape.value[MarkerShape::kHeight] + from_centre[2]};
 }
 
 }  // namespace moiregauge::internal

@@ -48,6 +48,11 @@ using CommonNumbers = std::array<double, kCommonParameters>;  // f cx cy k1 k2 p
 [[nodiscard]] CommonNumbers numbers_of(const Camera& camera, double stretch);
 [[nodiscard]] CommonNumbers numbers_of(const Scene& scene);
 
+// Returns the tilt of a print as a rotation vector on the board, rad.
+[[nodiscard]] inline std::array<double, 3> tilt_of(const MarkerShape& shape) {
+  return {shape.value[MarkerShape::kTiltX], shape.value[MarkerShape::kTiltY], 0.0};
+}
+
 // Rotation matrix of a pose, with its derivative: d(R v) = (left d turn) x R v.
 struct TurnedPose {
   explicit TurnedPose(const Pose& pose);
@@ -78,14 +83,17 @@ class PatchResidual {
   template <typename T>
   bool operator()(const T* common, const T* shape, const T* pose, const T* shift, T* residual) const {
     using std::cos, std::sin;
-    const T angle = T(angle_rad_) + shape[2];
-    const T scale = T(pitch_mm_) * (T(1.0) + shape[3]);
+    const T angle = T(angle_rad_) + shape[MarkerShape::kRotation];
+    const T scale = T(pitch_mm_) * (T(1.0) + shape[MarkerShape::kScale]);
     const T c = scale * cos(angle), s = scale * sin(angle), half = T(0.5) * common[kStretchParameter];
+    const std::array<T, 3> tilt{shape[MarkerShape::kTiltX], shape[MarkerShape::kTiltY], T(0.0)};
     std::array<T, kSize> off;  // pitches
     for (std::size_t n = 0; n < kPatchPoints; ++n) {
       const T px = (T(1.0) + half) * print_[n].x, py = (T(1.0) - half) * print_[n].y;
-      const std::array<T, 3> board{T(x_mm_) + shape[0] + shift[0] + c * px - s * py,
-                                   T(y_mm_) + shape[1] + shift[1] + s * px + c * py, shape[4]};
+      const auto from_centre = turned_by(tilt.data(), std::array<T, 3>{c * px - s * py, s * px + c * py, T(0.0)});
+      const std::array<T, 3> board{T(x_mm_) + shape[MarkerShape::kX] + shift[0] + from_centre[0],
+                                   T(y_mm_) + shape[MarkerShape::kY] + shift[1] + from_centre[1],
+                                   shape[MarkerShape::kHeight] + from_centre[2]};
       const auto image = projected(common, pose, board);
       const T dx = image[0] - image_[n].x, dy = image[1] - image_[n].y;
       off[n] = pitches_per_px_[n](0, 0) * dx + pitches_per_px_[n](0, 1) * dy;

@@ -21,7 +21,7 @@ Marker marker_of(Pattern pattern) {
   return marker;
 }
 const CommonNumbers kCommon{3478.0, 2059.0, 494.0, -0.04, 0.01, 4e-4, -3e-4, 2e-3, 0.01};
-const MarkerShape kSomeShape{{0.3, -0.2, 0.004, 6e-4, 2.0}};
+const MarkerShape kSomeShape{{0.3, -0.2, 0.004, 6e-4, 2.0, 0.02, -0.03}};
 const Extent<frame::Board> kShift{0.7, -1.1};
 
 // Nine points near the position where the camera sees the grating. The information matrix has this rank.

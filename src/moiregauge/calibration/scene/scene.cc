@@ -16,6 +16,7 @@ std::string SceneModel::name() const {
   if (tangential) text += " + tangential";
   if (heights) text += " + heights";
   if (depth) text += " + depth";
+  if (tilts) text += " + tilts";
   return text;
 }
 

@@ -14,11 +14,13 @@
 
 namespace moiregauge::internal {
 
-// Corrections of a marker to the site: position, rotation and scale. The height is absolute. A target's position is
-// corrected only if rest frames are known.
+// Corrections of a marker to the site: position, rotation and scale. Height and tilt are absolute. A target's position
+// is corrected only if rest frames are known. The tilt rotates the print about its centre, by the rotation vector
+// (kTiltX, kTiltY, 0) on the board.
 struct MarkerShape {
-  enum Parameter { kX, kY, kRotation, kScale, kHeight, kParameters };
-  std::array<double, kParameters> value{};  // mm, mm, rad counter-clockwise, relative, mm above the reference plane
+  enum Parameter { kX, kY, kRotation, kScale, kHeight, kTiltX, kTiltY, kParameters };
+  // mm, mm, rad counter-clockwise, relative, mm above the reference plane, rad, rad
+  std::array<double, kParameters> value{};
 };
 inline constexpr int kShapeParameters = MarkerShape::kParameters;
 
@@ -40,15 +42,23 @@ struct SceneModel {
   bool tangential = false;  // p1, p2
   bool heights = false;     // for the references
   bool depth = false;       // for the targets
+  bool tilts = false;       // for all markers
   [[nodiscard]] std::string name() const;
 };
 inline constexpr SceneModel kEverything{.radial = true, .tangential = true, .heights = true, .depth = true};
+// Returns all that may be there in a scene of this model. Prints are parallel to the plane unless the footage shows
+// otherwise.
+[[nodiscard]] constexpr SceneModel everything_with(const SceneModel& model) {
+  SceneModel out = kEverything;
+  out.tilts = model.tilts;
+  return out;
+}
 
 struct Scene {
   Camera camera;                     // fx = fy
   double stretch = 0.0;              // all gratings: relatively longer along x than along y
   std::vector<MarkerShape> markers;  // one per site marker
-  // Covariance of the camera's eight parameters and the stretch, then of five per marker. Fixed parameters have zeros.
+  // Covariance of the camera's eight parameters and the stretch, then of seven per marker. Fixed parameters have zeros.
   Eigen::MatrixXd covariance;
   // The same with all parameters free within their priors, as in the samples' u. Empty if it was not computed.
   Eigen::MatrixXd full_covariance;

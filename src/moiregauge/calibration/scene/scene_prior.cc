@@ -18,6 +18,7 @@ constexpr double kPrincipal = 0.02;  // relative to the image's larger side
 // Given camera without u: focus and temperature may have changed since its calibration. Relative to f, L and each
 // distortion term. Chosen.
 constexpr double kCalibratedFocal = 0.005, kCalibratedPrincipal = 0.002, kCalibratedDistortion = 0.05;
+constexpr double kMountedTilt = 0.05;   // u of a print's tilt, rad: mounted by eye; chosen
 constexpr double kTargetDepth = 100.0;  // u of a target's height without `z_mm`, mm; chosen
 
 void unknown_lens(ScenePrior& prior, double side, double rho) {
@@ -83,7 +84,7 @@ ScenePrior scene_prior(const Site& site, int width, int height, const std::optio
     const bool reference = marker.role == Role::kReference;
     value.value[MarkerShape::kHeight] = marker.z_mm.value_or(0.0);
     u.value = {reference ? known.position_mm : 0.0, reference ? known.position_mm : 0.0, known.rotation_rad,
-               known.print_scale, reference || marker.z_mm ? known.height_mm : kTargetDepth};
+               known.print_scale, reference || marker.z_mm ? known.height_mm : kTargetDepth, kMountedTilt, kMountedTilt};
     prior.markers.push_back(value);
     prior.u_markers.push_back(u);
   }

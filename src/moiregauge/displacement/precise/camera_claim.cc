@@ -33,13 +33,13 @@ Side solved_side(const Site& site, std::span<const BundleFrame> frames, const Sc
                  std::initializer_list<const Scene*> starts) {
   Side side;
   for (const Scene* start : starts) {
-    BundleSolution solution = solve_bundle(site, frames, prior, kEverything, start);
+    BundleSolution solution = solve_bundle(site, frames, prior, everything_with(start->model), start);
     if (!solution.scene.solved) continue;
     if (side.bundle.scene.solved && !(solution.scene.penalised_cost < side.bundle.scene.penalised_cost)) continue;
     side.bundle = std::move(solution);
   }
   for (const BundleFrame& frame : side.bundle.frames) side.fits.push_back(fit_frame(site, side.bundle.scene, frame));
-  side.covariance = scene_covariance(site, side.fits, prior, kEverything);
+  side.covariance = scene_covariance(site, side.fits, prior, side.bundle.scene.model);
   return side;
 }
 
@@ -74,7 +74,7 @@ std::optional<PriorRatio> compare_priors(const Site& site, std::span<const Bundl
     frames.push_back(all[k]);
     as_solved.fits.push_back(solved.fits[k]);
   }
-  as_solved.covariance = scene_covariance(site, solved.fits, stated, kEverything);
+  as_solved.covariance = scene_covariance(site, solved.fits, stated, everything_with(solved.bundle.scene.model));
   const Calibration free = calibrate(site, frames, wider);
   if (!free.bundle.scene.solved) return std::nullopt;
   const auto weighed = with_print_error(site, frames, free.print_error);

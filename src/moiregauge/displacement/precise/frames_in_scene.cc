@@ -72,11 +72,11 @@ FramesInScene::FramesInScene(const Reference& reference, const PreciseScene& sce
               scene.shutter ? scene.shutter->u_readout_s : 0.0),
       heights_then_(shown_heights(site_, scene_, solved_.frames.front(), budget_.then())) {}
 
-// Returns the uncertainty by the centres of the targets' rotations, mm. Empty: no target rotates.
-std::vector<double> FramesInScene::u_by_centre(const BundleFrame& read) const {
-  std::vector<double> out;
-  for (std::size_t i = 0; solved_.rotations && i < site_.markers.size(); ++i)
-    out.push_back(solved_.rotations->u_by_centre(i, read, solved_.calibration.bundle.frames.front()));
+// Returns the uncertainty by the targets' movements beyond displacement, mm. Empty: there are none.
+std::vector<Extent<frame::Board>> FramesInScene::u_by_movement(const BundleFrame& placed) const {
+  std::vector<Extent<frame::Board>> out;
+  for (std::size_t i = 0; solved_.movements && i < site_.markers.size(); ++i)
+    out.push_back(solved_.movements->u_beyond_noise(i, placed, solved_.calibration.bundle.frames.front()));
   return out;
 }
 
@@ -94,8 +94,8 @@ Sample FramesInScene::sample_of(const Observation& seen, std::size_t marker, con
   if (unproven && has_numbers(sample.status)) sample.status = Status::kOrderUnproven;
   if (has_numbers(sample.status))
     fill(sample, site_.markers[marker], frame, budget_.then(), scene_.markers[marker].value[MarkerShape::kRotation]);
-  if (!frame.u_by_centre.empty() && has_numbers(sample.status))
-    add_to_part(&Budget::geometry, {frame.u_by_centre[marker], frame.u_by_centre[marker]}, sample);
+  if (!frame.u_by_movement.empty() && has_numbers(sample.status))
+    add_to_part(&Budget::geometry, frame.u_by_movement[marker], sample);
   return sample;
 }
 
@@ -112,10 +112,10 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
     solved.budget.reset();
     solved.now = {};
     solved.heights.clear();
-    solved.u_by_centre.clear();
+    solved.u_by_movement.clear();
     if (place[n] > 0) {
       const BundleFrame read = solved_.frames[place[n]], frame = placed(read);
-      solved.u_by_centre = u_by_centre(read);
+      solved.u_by_movement = u_by_movement(frame);
       solved.now = fit_frame(site_, scene_, frame, FrameDetail::kSamples);
       solved.heights = shown_heights(site_, scene_, read, solved.now);
       if (by_noise_) solved.by_noise.now = fit_by_noise(place[n], frame);
@@ -146,17 +146,17 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
   std::ranges::move(notes, std::back_inserter(solution.notes));
 }
 
-// Returns the rotations of all targets. `frame`, `fit`: at this place, without the rotations that were removed. That
+// Returns the rotations of all targets. `frame`, `fit`: at this place, without the movements that were removed. That
 // fit leaves them open, so the covariance of noise is used again.
 FrameRotations FramesInScene::rotations_in(std::size_t place, BundleFrame frame, const FrameFit& fit) const {
-  if (!solved_.rotations) return fit_rotations(site_, scene_, frame, fit);
-  const BundleFrame by_noise = weighed(solved_.with_rotations[place]);
+  if (!solved_.movements) return fit_rotations(site_, scene_, frame, fit);
+  const BundleFrame by_noise = weighed(solved_.with_movements[place]);
   for (std::size_t i = 0; i < frame.points.size(); ++i) {
     if (frame.points[i]) frame.points[i]->information = by_noise.points[i]->information;
   }
   FrameRotations out = fit_rotations(site_, scene_, frame, fit_frame(site_, scene_, frame));
-  for (std::size_t i = 0; i < frame.removed_rad.size(); ++i) {
-    if (out.row[i] >= 0) out.angle_rad(out.row[i]) += frame.removed_rad[i].z();
+  for (std::size_t i = 0; i < frame.removed.size(); ++i) {
+    if (out.row[i] >= 0) out.angle_rad(out.row[i]) += frame.removed[i](MovementAxis::kInPlane);
   }
   return out;
 }
@@ -178,10 +178,9 @@ FittedFrame FramesInScene::fit_of(std::size_t place) const {
   out.rotations = rotations_in(place, frame, out.fit);
   if (by_noise_) out.by_noise = fit_by_noise(place, frame);
   out.u_motion = u_motion(place);
-  const auto by_centre = u_by_centre(frame);
-  if (!by_centre.empty()) out.u_motion.resize(by_centre.size());
-  for (std::size_t i = 0; i < by_centre.size(); ++i)
-    out.u_motion[i] = {std::hypot(out.u_motion[i].x, by_centre[i]), std::hypot(out.u_motion[i].y, by_centre[i])};
+  const auto by_movement = u_by_movement(frame);
+  if (!by_movement.empty()) out.u_motion.resize(by_movement.size());
+  for (std::size_t i = 0; i < by_movement.size(); ++i) out.u_motion[i] = hypot3(out.u_motion[i], by_movement[i], {});
   return out;
 }
 
@@ -215,9 +214,10 @@ Samples FramesInScene::measure_one(const Observation& seen, const std::optional<
                                    const std::vector<bool>& is_far) const {
   SolvedFrame solved;
   if (read) {
-    solved.now = fit_frame(site_, scene_, placed(*read), FrameDetail::kSamples);
+    const BundleFrame frame = placed(*read);
+    solved.now = fit_frame(site_, scene_, frame, FrameDetail::kSamples);
     solved.heights = shown_heights(site_, scene_, *read, solved.now);
-    solved.u_by_centre = u_by_centre(*read);
+    solved.u_by_movement = u_by_movement(frame);
   }
   if (solved.now.ok && budget_.then().ok) solved.budget.emplace(budget_.of_frame(solved.now));
   Samples samples;

@@ -25,7 +25,8 @@ class FramesInScene {
     FitsByNoise by_noise;
     std::optional<FrameBudget> budget;
     std::vector<std::optional<ShownHeight>> heights;  // per site marker
-    std::vector<double> u_by_centre;                  // per site marker, mm; empty: no target rotates
+    // By the movements beyond displacement, per site marker, mm. Empty: there are none.
+    std::vector<Extent<frame::Board>> u_by_movement;
   };
 
   // `reference` and `scene` must outlive this object. `by_noise`: for compressed footage, its frames without the codec's
@@ -53,7 +54,7 @@ class FramesInScene {
   [[nodiscard]] FittedFrame reference_fit() const;
   [[nodiscard]] FittedFrame fit_of(std::size_t place) const;
   [[nodiscard]] std::vector<Extent<frame::Board>> u_motion(std::size_t place) const;
-  [[nodiscard]] std::vector<double> u_by_centre(const BundleFrame& read) const;
+  [[nodiscard]] std::vector<Extent<frame::Board>> u_by_movement(const BundleFrame& placed) const;
   [[nodiscard]] Sample sample_of(const Observation& seen, std::size_t marker, const SolvedFrame& frame,
                                  bool is_far) const;
   [[nodiscard]] Sample judged(Sample sample) const;

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "moiregauge/calibration/model/target_rotation.h"
+#include "moiregauge/calibration/model/target_movement.h"
 #include "moiregauge/calibration/scene/bundle.h"
 #include "moiregauge/displacement/method.h"
 

@@ -28,7 +28,9 @@ constexpr std::size_t kMaxKeyFrames = 120;  // chosen
 // error up to 0.011 and 0.016 px.
 constexpr double kEdgeOfLight = 0.0025, kEdgeOfGrey = 0.003;
 constexpr double kEdgePerOvershoot = 0.07;  // px per unit of overshoot
-constexpr int kRotationRounds = 2;          // chosen
+// Rounds of scene and removal of movements, at most, and the relative change of chi2 that ends them. Chosen.
+constexpr int kMovementRounds = 5;
+constexpr double kSameChi2 = 1e-3;
 constexpr double kRollingShare = 0.6;       // least share of chi2 that free rotation during readout removes; chosen
 
 // Returns the indices of the key frames, the reference frame first.
@@ -56,7 +58,7 @@ class SceneSolver {
 
   PreciseScene solved(bool lossy) {
     solve();
-    if (is_solved()) remove_rotations();
+    if (is_solved()) remove_movements();
     if (is_solved() && !judged_) leave_out_what_moves();
     if (is_solved() && out_.excluded) test_the_rest(*out_.excluded);
     const ShutterTest& shutter = out_.calibration.shutter;
@@ -74,7 +76,7 @@ class SceneSolver {
     // be there.
     Calibration& calibration = out_.calibration;
     calibration.bundle.scene.full_covariance =
-        scene_covariance(site_, calibration.fits, calibration.prior, kEverything);
+        scene_covariance(site_, calibration.fits, calibration.prior, everything_with(calibration.bundle.scene.model));
     if (!options_.rest) allow_for_apparent_size(lossy);
     allow_for_wrong_pitches();
     return std::move(out_);
@@ -106,27 +108,30 @@ class SceneSolver {
     out_.shutter = std::move(shutter);
   }
 
-  // Solves again without the rotations of targets, if any target rotates.
-  void remove_rotations() {
+  // Solves again without the movements of targets beyond displacement, if any target rotates or leaves its plane.
+  void remove_movements() {
     const Scene& scene = out_.calibration.bundle.scene;
     auto frames = key_frames_of(out_.frames);
     // The pose from the prior's camera is too far from the solved camera's for the few steps of a fit.
     for (BundleFrame& frame : frames) frame.pose = pose_of(site_, scene, frame).value_or(frame.pose);
-    const TargetRotations rotations = find_rotations(site_, scene, frames);
-    if (rotations.empty()) return;
-    const FrameSeries with_rotations = read_;
+    const TargetMovements movements = find_movements(site_, scene, frames);
+    if (movements.empty()) return;
+    const FrameSeries with_movements = read_;
     const auto centres = rotation_centres(reference_, fit_frame(site_, scene, frames.front()));
-    // The first scene is bent by the rotations, and so is their removal.
-    for (int round = 0; round < kRotationRounds && is_solved(); ++round) {
+    // The first scene is bent by the movements, and so is their removal.
+    double change = 1.0;
+    for (int round = 0; round < kMovementRounds && is_solved() && change > kSameChi2; ++round) {
+      const double before = out_.calibration.bundle.scene.chi2_dof;
       PreciseScene again;
-      again.with_rotations = with_rotations;
-      again.rotations =
-          std::make_shared<const RotationRemoval>(site_, out_.calibration.bundle.scene, rotations, centres);
-      again.frames = read_ = without_rotations(with_rotations, again.rotations);
+      again.with_movements = with_movements;
+      again.movements =
+          std::make_shared<const MovementRemoval>(site_, out_.calibration.bundle.scene, movements, centres);
+      again.frames = read_ = only_displaced(with_movements, again.movements);
       out_ = std::move(again);
       judged_ = false;
       at_once_.reset();
       solve();
+      change = std::abs(out_.calibration.bundle.scene.chi2_dof / before - 1.0);
     }
   }
 
@@ -195,7 +200,7 @@ class SceneSolver {
   ReferenceVerdict blaming_camera(const ReferenceVerdict& verdict) {
     if (!reference_.knows_camera() || !(verdict.moved || verdict.doubtful)) return verdict;
     Scene any_lens = out_.calibration.bundle.scene;
-    any_lens.model = kEverything;
+    any_lens.model = everything_with(any_lens.model);
     const ReferenceVerdict of_any_lens =
         test_references(site_, out_.frames, with_unknown_lens(prior_), any_lens, false);
     if (of_any_lens.moved || of_any_lens.doubtful) return verdict;

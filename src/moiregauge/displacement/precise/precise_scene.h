@@ -10,7 +10,7 @@
 
 #include "moiregauge/calibration/model/print_error.h"
 #include "moiregauge/calibration/model/rolling_shutter.h"
-#include "moiregauge/calibration/model/target_rotation.h"
+#include "moiregauge/calibration/model/target_movement.h"
 #include "moiregauge/displacement/method.h"
 #include "moiregauge/displacement/precise/apparent_size.h"
 #include "moiregauge/displacement/smear_error.h"
@@ -27,10 +27,10 @@ struct PreciseScene {
   // Rolling shutter that no camera path explains: no row of any method is trusted.
   bool rolls = false;
 
-  // Frames without a moving reference and without the rotations of targets, corrected to frame time.
+  // Frames without a moving reference and without the movements of targets beyond displacement, corrected to frame time.
   FrameSeries frames;
-  std::shared_ptr<const RotationRemoval> rotations;  // null if no target rotates
-  FrameSeries with_rotations;                        // frames as read, if targets rotate
+  std::shared_ptr<const MovementRemoval> movements;  // null if there are none
+  FrameSeries with_movements;                        // frames as read, if there are
   std::optional<std::size_t> excluded;               // a reference that moves, not used in `frames`
   std::optional<Shutter> shutter;                    // solved rolling shutter
   SmearError smear;                                  // uneven movement within the exposures of `frames`

@@ -19,9 +19,6 @@ constexpr double kHiddenContrast = 0.25;
 
 constexpr double kSureAlone = 6.0;  // coverage factor of a single row, whose number of frames is unknown. Chosen.
 constexpr double kSurely = 2.0;     // coverage factor of a least value
-// Mean square of the heights about their mean, in u^2, that proves a movement. Noise in ten frames exceeds 4 once in 30 000
-// runs. Chosen.
-constexpr double kScatters = 4.0;
 constexpr double kFalseAlarms = 1e-3;  // per run; chosen
 
 // Returns the status of a grating's image: kOk, or its fault.
@@ -77,7 +74,7 @@ std::vector<std::string> distrust_out_of_plane(const Site& site, std::span<const
   const double sure = sure_among(samples.size());
   for (const RowOutOfPlane& row : rows) {
     const std::size_t marker = samples[row.sample].marker;
-    if (!(row.moved.in_u > sure || scatter[marker].mean_square() > kScatters)) continue;
+    if (!(row.moved.in_u > sure || scatter[marker].mean_square() > kHeightScatters)) continue;
     OutOfPlane& largest = targets[marker];
     if (std::abs(row.moved.height_mm) > std::abs(largest.height_mm)) largest = row.moved;
   }

@@ -121,8 +121,8 @@ Solution measured_in_scene(const Reference& reference, const Observations& obser
   add_to(solution.notes, weak_axis_note(reference));
   add_to(solution.notes, run.locking_note);
   add_to(solution.findings, stretched_prints_note(reference.site, scene.calibration));
-  if (scene.rotations) {
-    for (std::string& line : rotation_notes(reference.site, *scene.rotations, scene.calibration.bundle.frames))
+  if (scene.movements) {
+    for (std::string& line : movement_notes(reference.site, *scene.movements, scene.calibration.bundle.frames))
       solution.findings.push_back(std::move(line));
   }
   for (std::string& line : apparent_size_notes(reference.site, scene.calibration, scene.size_deviations))
@@ -130,14 +130,14 @@ Solution measured_in_scene(const Reference& reference, const Observations& obser
   const auto in_scene = [&reference](const SolvedRun& by) {
     return FramesInScene(
         reference, by.scene,
-        by.lossy ? std::optional(without_rotations(by.seen.frames, by.scene.rotations)) : std::nullopt);
+        by.lossy ? std::optional(only_displaced(by.seen.frames, by.scene.movements)) : std::nullopt);
   };
   in_scene(run).measure(observations, run.seen.place, solution);
   solution.joint_errors = [kept, in_scene, &observations] {
     return in_scene(*kept).joint_errors(observations, kept->seen.place);
   };
   if (scene.shutter)
-    report_shutter(solution, reference, *scene.shutter, without_rotations(run.read, scene.rotations),
+    report_shutter(solution, reference, *scene.shutter, only_displaced(run.read, scene.movements),
                    options.readout_s.has_value());
   return solution;
 }

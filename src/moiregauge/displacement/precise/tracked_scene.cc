@@ -37,7 +37,7 @@ Samples TrackedScene::measure(const Observation& seen, const std::vector<Extent<
   if (frame) frame = with_codec_error(*frame, *codec_, codec_->of_next(reference_, seen));
   if (frame && !locking_->is_zero()) frame = locking_->with_error(*std::move(frame));
   if (frame && scene_.excluded) frame->points[*scene_.excluded].reset();
-  if (frame && scene_.rotations) frame = scene_.rotations->unrotated(*frame);
+  if (frame && scene_.movements) frame = scene_.movements->displaced_only(*frame);
   return measured_->measure_one(seen, frame, is_far);
 }
 

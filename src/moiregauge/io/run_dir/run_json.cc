@@ -169,6 +169,8 @@ void add_solved(const Site& site, const Scene& scene, std::size_t i, Json& json)
   add("angle_deg", degrees_from_radians(solved.grating->angle_rad),
       degrees_from_radians(u.value[MarkerShape::kRotation]));
   add("pitch_mm", solved.grating->pitch_mm, site.markers[i].grating->pitch_mm * u.value[MarkerShape::kScale]);
+  for (const auto& [key, tilt] : {std::pair{"tilt_x_deg", MarkerShape::kTiltX}, {"tilt_y_deg", MarkerShape::kTiltY}})
+    add(key, degrees_from_radians(scene.markers[i].value[tilt]), degrees_from_radians(u.value[tilt]));
 }
 
 Json measured_marker_json(const Measurement& measurement, const Site& site, std::size_t i) {

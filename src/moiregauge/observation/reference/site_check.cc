@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/observation/reference/grating_lens.h"
 #include "moiregauge/observation/reference/reference.h"
 #include "moiregauge/observation/reference/scale_check.h"
 
@@ -45,19 +46,47 @@ constexpr double kSure = 3.0;
 constexpr double kAlike = 0.5, kLargestByTone_px = 3.0;
 constexpr std::size_t kCirclesForTone = 3;
 
-// Returns the relative stretch of a pitch in the image against the site, by the scale of the circle spacing. It is the
-// phase gradient beyond the nominal carrier. A displacement gradient g along its own axis means that the grating is
-// stretched by g against the board. NaN if the grating does not determine it.
-double stretch_of(const PatchReading& patch) {
-  double stretch = 0.0;
-  int axes = 0;
-  for (std::size_t a = 0; a < 2; ++a) {
-    if (std::isnan(patch.phase_rad[a]) || std::isnan(patch.gradient[a][a])) continue;
-    stretch += patch.gradient[a][a];
-    ++axes;
+// Sizes of gratings and circles in the image against the site, by the scale of the circle spacing. Without a camera, a
+// lens that the gratings show is taken out. Else a distortion of 4 % would look like wrong pitches.
+class SeenSizes {
+ public:
+  explicit SeenSizes(const Reference& seen)
+      : reference(seen), uncertainty(scale_uncertainty(seen)), lens_(lens_from_gratings(seen, uncertainty.alone)) {}
+
+  // Returns the relative stretch of a pitch along an axis of its grating. It is the phase gradient beyond the nominal
+  // carrier. A displacement gradient g along its own axis means that the grating is stretched by g against the board.
+  [[nodiscard]] double stretch(std::size_t marker, std::size_t axis) const {
+    const double seen = reference.seen.markers[marker].patch.gradient[axis][axis];
+    if (!lens_) return seen;
+    const Grating& grating = *reference.site.markers[marker].grating;
+    const auto k = static_cast<Eigen::Index>(axis);
+    return seen - gradient_by_lens(reference, lens_->view, grating.centre, grating.angle_rad)(k, k);
   }
-  return axes > 0 && std::isfinite(patch.u_gradient) ? stretch / axes : std::nan("");
-}
+  // Returns the mean over both axes. NaN if the grating does not determine it.
+  [[nodiscard]] double stretch(std::size_t marker) const {
+    const PatchReading& patch = reference.seen.markers[marker].patch;
+    double sum = 0.0;
+    int axes = 0;
+    for (std::size_t a = 0; a < 2; ++a) {
+      if (std::isnan(patch.phase_rad[a]) || std::isnan(patch.gradient[a][a])) continue;
+      sum += stretch(marker, a);
+      ++axes;
+    }
+    return axes > 0 && std::isfinite(patch.u_gradient) ? sum / axes : std::nan("");
+  }
+  [[nodiscard]] double mm_per_px(BoardPoint at) const {
+    const double seen = reference.view.mm_per_px(at);
+    if (!lens_) return seen;
+    const Matrix2 shrunk = Matrix2::Identity() - gradient_by_lens(reference, lens_->view, at, 0.0);
+    return seen * std::sqrt(std::abs(shrunk.determinant()));
+  }
+
+  const Reference& reference;
+  ScaleUncertainty uncertainty;
+
+ private:
+  std::optional<GratingLens> lens_;
+};
 
 std::string pitch_text(const Marker& marker, double stretch) {
   char text[240];
@@ -77,7 +106,8 @@ struct MeanStretch {
 };
 
 // Returns the mean stretch. It is empty if a grating is rotated or does not show both axes.
-std::optional<MeanStretch> mean_stretch(const Reference& reference) {
+std::optional<MeanStretch> mean_stretch(const SeenSizes& sizes) {
+  const Reference& reference = sizes.reference;
   constexpr double kTurned = 0.1;  // rad
   MeanStretch sum;
   double count = 0.0;
@@ -87,7 +117,7 @@ std::optional<MeanStretch> mean_stretch(const Reference& reference) {
     if (marker.role != Role::kReference || !marker.grating || !patch.valid) continue;
     if (std::abs(marker.grating->angle_rad) > kTurned) return std::nullopt;
     if (std::isnan(patch.phase_rad[0]) || std::isnan(patch.phase_rad[1])) return std::nullopt;
-    sum.x += patch.gradient[0][0], sum.y += patch.gradient[1][1], count += 1.0;
+    sum.x += sizes.stretch(i, 0), sum.y += sizes.stretch(i, 1), count += 1.0;
   }
   if (!(count > 0.0)) return std::nullopt;
   return MeanStretch{sum.x / count, sum.y / count};
@@ -112,8 +142,8 @@ std::string spacing_text(const Reference& reference, Extent<frame::Board> along,
 }
 
 // No image shows which of the two is wrong, so the text names both.
-std::string both_suspects(const Reference& reference, const Marker& first, double stretch) {
-  const auto mean = mean_stretch(reference);
+std::string both_suspects(const SeenSizes& sizes, const Marker& first, double stretch) {
+  const auto mean = mean_stretch(sizes);
   const char* axis = "";
   Extent<frame::Board> along{1.0, 0.0};
   if (mean && mean->is_along_one()) {
@@ -125,51 +155,52 @@ std::string both_suspects(const Reference& reference, const Marker& first, doubl
   char text[160];
   std::snprintf(text, sizeof text, ". Either the gratings are %.1f %% too %s%s, or ", 100.0 * std::abs(stretch),
                 stretch > 0.0 ? "large" : "small", axis);
-  return pitch_text(first, stretch) + text + spacing_text(reference, along, stretch) + axis;
+  return pitch_text(first, stretch) + text + spacing_text(sizes.reference, along, stretch) + axis;
 }
 
 // Tests for a stretch that all references share, from a wrong common pitch or wrong circle positions.
-std::optional<std::string> common_pitch_disagreement(const Reference& reference) {
+std::optional<std::string> common_pitch_disagreement(const SeenSizes& sizes) {
+  const Reference& reference = sizes.reference;
   double sum = 0.0, noise = 0.0, count = 0.0;
   const Marker* first = nullptr;
   for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
     const Marker& marker = reference.site.markers[i];
     const PatchReading& patch = reference.seen.markers[i].patch;
-    if (marker.role != Role::kReference || !marker.grating || !patch.valid || std::isnan(stretch_of(patch))) continue;
+    if (marker.role != Role::kReference || !marker.grating || !patch.valid || std::isnan(sizes.stretch(i))) continue;
     if (first == nullptr) first = &marker;
-    sum += stretch_of(patch), noise += patch.u_gradient, count += 1.0;
+    sum += sizes.stretch(i), noise += patch.u_gradient, count += 1.0;
   }
   if (count < 4.0) return std::nullopt;
-  const double allowed = std::max(kSiteTolerance, kSure * scale_uncertainty(reference).mean) + 3.0 * noise / count;
+  const double allowed = std::max(kSiteTolerance, kSure * sizes.uncertainty.mean) + 3.0 * noise / count;
   if (std::abs(sum / count) <= allowed) return std::nullopt;
-  return both_suspects(reference, *first, sum / count);
+  return both_suspects(sizes, *first, sum / count);
 }
 
-std::optional<std::string> pitch_disagreement(const Reference& reference, std::size_t i) {
-  const Marker& marker = reference.site.markers[i];
-  const PatchReading& patch = reference.seen.markers[i].patch;
-  const double stretch = stretch_of(patch);
+std::optional<std::string> pitch_disagreement(const SeenSizes& sizes, std::size_t i) {
+  const Marker& marker = sizes.reference.site.markers[i];
+  const PatchReading& patch = sizes.reference.seen.markers[i].patch;
+  const double stretch = sizes.stretch(i);
   const double allowed = std::max(marker.role == Role::kTarget ? kTargetTolerance : kSiteTolerance,
-                                  kSure * scale_uncertainty(reference).alone);
+                                  kSure * sizes.uncertainty.alone);
   // The scale of a small region is noisy, so three times its noise is allowed, too.
   if (std::isnan(stretch) || std::abs(stretch) <= allowed + 3.0 * patch.u_gradient) return std::nullopt;
   return pitch_text(marker, stretch);
 }
 
 // Returns how much larger a circle is in the image than stated, px. Nothing: it has no circle, or that is not seen.
-std::optional<double> excess_px(const Reference& reference, std::size_t i) {
-  const Marker& marker = reference.site.markers[i];
-  const auto& seen = reference.seen.markers[i].circle;
+std::optional<double> excess_px(const SeenSizes& sizes, std::size_t i) {
+  const Marker& marker = sizes.reference.site.markers[i];
+  const auto& seen = sizes.reference.seen.markers[i].circle;
   if (!seen || !marker.circle || marker.circle->diameter_mm <= 0.0) return std::nullopt;
-  return seen->diameter_px - marker.circle->diameter_mm / reference.view.mm_per_px(marker.circle->centre);
+  return seen->diameter_px - marker.circle->diameter_mm / sizes.mm_per_px(marker.circle->centre);
 }
 
 // Returns a hint if all circles differ from their diameters by about `found_px`, as one of them does. Grey levels that
 // are not light shift every edge by a part of its width.
-std::string tone_hint(const Reference& reference, double found_px) {
+std::string tone_hint(const SeenSizes& sizes, double found_px) {
   std::size_t count = 0;
-  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
-    const auto excess = excess_px(reference, i);
+  for (std::size_t i = 0; i < sizes.reference.site.markers.size(); ++i) {
+    const auto excess = excess_px(sizes, i);
     if (!excess) continue;
     if (!(*excess / found_px > kAlike && found_px / *excess > kAlike)) return "";
     ++count;
@@ -181,31 +212,32 @@ std::string tone_hint(const Reference& reference, double found_px) {
       found_px < 0.0 ? "small" : "large");
 }
 
-std::optional<std::string> diameter_disagreement(const Reference& reference, std::size_t i) {
-  const Marker& marker = reference.site.markers[i];
-  const auto difference_px = excess_px(reference, i);
+std::optional<std::string> diameter_disagreement(const SeenSizes& sizes, std::size_t i) {
+  const Marker& marker = sizes.reference.site.markers[i];
+  const auto difference_px = excess_px(sizes, i);
   if (!difference_px || std::abs(*difference_px) <= kDiameterTolerance) return std::nullopt;
-  const double mm_per_px = reference.view.mm_per_px(marker.circle->centre);
+  const double mm_per_px = sizes.mm_per_px(marker.circle->centre);
   if (std::abs(*difference_px) * mm_per_px <=
-      std::max(kSiteTolerance, kSure * scale_uncertainty(reference).alone) * marker.circle->diameter_mm)
+      std::max(kSiteTolerance, kSure * sizes.uncertainty.alone) * marker.circle->diameter_mm)
     return std::nullopt;
   return fmt::format(
              "circle_diameter_mm = {:.4g} of marker '{}' contradicts the spacing of the reference circles, which gives "
              "{:.4g} mm",
              marker.circle->diameter_mm, marker.name, marker.circle->diameter_mm + *difference_px * mm_per_px) +
-         tone_hint(reference, *difference_px);
+         tone_hint(sizes, *difference_px);
 }
 
 }  // namespace
 
 std::optional<std::string> site_disagreement(const Reference& reference) {
-  if (auto text = common_pitch_disagreement(reference)) return text;
+  const SeenSizes sizes(reference);
+  if (auto text = common_pitch_disagreement(sizes)) return text;
   for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
     const Marker& marker = reference.site.markers[i];
     if (marker.grating && reference.seen.markers[i].patch.valid) {
-      if (auto text = pitch_disagreement(reference, i)) return text;
+      if (auto text = pitch_disagreement(sizes, i)) return text;
     }
-    if (auto text = diameter_disagreement(reference, i)) return text;
+    if (auto text = diameter_disagreement(sizes, i)) return text;
   }
   return std::nullopt;
 }

@@ -2,10 +2,12 @@
 #include "moiregauge/observation/reference/site_check.h"
 
 #include <array>
+#include <cmath>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "moiregauge/observation/reference/grating_lens.h"
 #include "moiregauge/observation/reference/reference.h"
 
 namespace moiregauge::internal {
@@ -67,6 +69,72 @@ TEST(SiteCheck, CirclesThatAllLookTooSmallHintAtTheToneCurve) {
     const auto text = site_disagreement(circles_larger_by(others));
     ASSERT_TRUE(text);
     EXPECT_EQ(text->find("--tone"), std::string::npos) << *text;
+  }
+}
+
+// A layout of 1000 x 560 px in an image of 1280 x 720 px, with targets in the middle and at its lower edge. The lens
+// displaces a point at the corner of the image by `distortion` of half the diagonal. All gratings are `larger` than
+// stated. A grating at X is seen at S(X), and the raster reads it by a map without a lens, as S^-1 would be.
+Reference behind_lens(double distortion, double larger) {
+  const double f = 0.5 * std::hypot(1280.0, 720.0);
+  const auto seen_at = [&](BoardPoint p) {  // 0.5 mm per px
+    const double x = 2.0 * p.x / f, y = -2.0 * p.y / f, radial = 1.0 + distortion * (x * x + y * y);
+    return ImagePoint{639.5 + f * x * radial, 359.5 + f * y * radial};
+  };
+  Reference reference;
+  reference.width = 1280, reference.height = 720;
+  reference.site.known_to.position_mm = 1.0;
+  for (const BoardPoint at : {BoardPoint{-250, 140}, {250, 140}, {-250, -140}, {250, -140}, {0, 0}, {20, -130}}) {
+    const std::size_t i = reference.site.markers.size();
+    Marker marker;
+    marker.name = std::to_string(i);
+    marker.role = i < 4 ? Role::kReference : Role::kTarget;
+    marker.grating = Grating{at, 40.0, 40.0, 10.0, 0.0, Pattern::kGrid};
+    if (i < 4) {
+      marker.circle = Circle{at, 0.0};
+      const ImagePoint seen = seen_at(at);
+      reference.circles.push_back({i, at, {seen.x, seen.y}, 0.03});
+    }
+    reference.site.markers.push_back(marker);
+  }
+  reference.view = {fit_circles(reference.circles).value(), {}};
+  for (const Marker& marker : reference.site.markers) {
+    const BoardPoint at = marker.grating->centre;
+    const auto read_at = [&](Extent<frame::Board> d) {
+      return reference.view.board(seen_at(at + (1.0 + larger) * d));
+    };
+    const auto by_x = read_at({1e-3, 0}) - read_at({-1e-3, 0}), by_y = read_at({0, 1e-3}) - read_at({0, -1e-3});
+    Matrix2 magnified;
+    magnified << by_x.x, by_y.x, by_x.y, by_y.y;
+    const Matrix2 gradient = Matrix2::Identity() - (magnified / 2e-3).inverse();
+    MarkerObservation seen;
+    seen.patch.valid = true;
+    seen.patch.gradient = {{{gradient(0, 0), gradient(0, 1)}, {gradient(1, 0), gradient(1, 1)}}};
+    seen.patch.u_gradient = 1e-4;
+    reference.seen.markers.push_back(seen);
+  }
+  return reference;
+}
+
+// The radial sizes at the corners differ from those across by 2 k r^2, 10 % for a lens of 8 %.
+TEST(SiteCheck, ALensIsNoWrongPitch) {
+  for (const double distortion : {-0.08, -0.05, 0.05, 0.08}) {
+    const Reference reference = behind_lens(distortion, 0.0);
+    const auto text = site_disagreement(reference);
+    EXPECT_FALSE(text) << *text << ", distortion " << distortion;
+    const auto lens = lens_from_gratings(reference, 0.005);
+    ASSERT_TRUE(lens);
+    EXPECT_NEAR(lens->view.lens.k1, distortion, 1e-4) << "no noise, and the Gauss-Newton steps have converged";
+  }
+}
+
+// Without a lens none is found, and a lens does not hide that all gratings are 4 % too large.
+TEST(SiteCheck, AWrongPitchIsNoLens) {
+  EXPECT_FALSE(lens_from_gratings(behind_lens(0.0, 0.04), 0.005));
+  for (const double distortion : {-0.05, 0.0, 0.05}) {
+    const auto text = site_disagreement(behind_lens(distortion, 0.04));
+    ASSERT_TRUE(text) << "distortion " << distortion;
+    EXPECT_NE(text->find("which gives 10.38 mm"), std::string::npos) << *text;  // 1 + (1 - 1 / 1.04)
   }
 }
 
