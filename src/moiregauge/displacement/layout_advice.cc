@@ -113,9 +113,10 @@ std::vector<std::string> movement_notes(const Site& site, const MovementRemoval&
     const TargetMovement& movement = removal.movement(i);
     const Eigen::Vector4d most = largest_movement(frames, i), u = std::sqrt(2.0) * movement.u;
     if (movement.leaves_plane())
-      out.push_back(fmt::format("note: '{}' moves towards or away from the camera, by up to {:.3g} mm (u {:.2g} mm). Its "
-                                "displacement is corrected for it",
-                                site.markers[i].name, most(MovementAxis::kHeight), u(MovementAxis::kHeight)));
+      out.push_back(
+          fmt::format("note: '{}' moves towards or away from the camera, by up to {:.3g} mm (u {:.2g} mm). Its "
+                      "displacement is corrected for it",
+                      site.markers[i].name, most(MovementAxis::kHeight), u(MovementAxis::kHeight)));
     if (!movement.rotates()) continue;
     const RotationCentre& centre = removal.centre(i);
     const std::string point = centre.is_middle

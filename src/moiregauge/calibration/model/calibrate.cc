@@ -27,9 +27,9 @@ constexpr double kSameError = 0.01;  // relative change: chi2 would change by 2 
 // Estimates print error and marker jitter with all parameters free, so no height or depth counts as print error.
 PrintError print_error_of(const Site& site, const BundleSolution& solution, std::span<const BundleFrame> noise_alone,
                           const ScenePrior& prior, const PrintError& last) {
-  const BundleSolution largest =
-      Bundle(site, solution.frames, prior)
-          .solve(everything_with(solution.scene.model), solution.scene, solution.frames, FocalLength::kAsModel, Until::kChi2Converged);
+  const BundleSolution largest = Bundle(site, solution.frames, prior)
+                                     .solve(everything_with(solution.scene.model), solution.scene, solution.frames,
+                                            FocalLength::kAsModel, Until::kChi2Converged);
   if (!largest.scene.solved) return {};
   const auto fits = fits_of(site, largest);
   PrintError error;

@@ -13,7 +13,7 @@ namespace moiregauge::internal {
 // states how much of chi2 that explains.
 struct ShutterTest {
   double chi2_dof = 0.0;
-  double share = 0.0;  // fraction of chi2 that rotation during readout explains
+  double share = 0.0;            // fraction of chi2 that rotation during readout explains
   double share_of_excess = 0.0;  // fraction of what exceeds noise, after rotation that noise explains
   long dof = 0;
   bool suggests_rolling_shutter = false;  // the fall exceeds chance and a quarter of the excess over noise

@@ -152,9 +152,8 @@ class RollingShutterSolver {
       set_all_back();
       // Earlier rounds only improve the path, so they need no full convergence. Tilts would follow what is left of the
       // readout.
-      out_.calibration =
-          calibrate(site_, out_.frames.at(key_), prior_,
-                    {.until = is_last ? Until::kConverged : Until::kChi2Converged, .tilts = is_last});
+      out_.calibration = calibrate(site_, out_.frames.at(key_), prior_,
+                                   {.until = is_last ? Until::kConverged : Until::kChi2Converged, .tilts = is_last});
       if (!out_.calibration.bundle.scene.solved) return without(out_.calibration.bundle.scene.problem);
       if (round == 0) first_chi2_dof = out_.calibration.shutter.chi2_dof;
       if (is_stuck(round, first_chi2_dof)) return without("no readout time explains the frames");

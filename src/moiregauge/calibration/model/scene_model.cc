@@ -140,7 +140,9 @@ std::optional<BundleSolution> select_scene_model(const Site& site, std::span<con
   const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
     const double due = have ? penalty * (parameters(site, model) - parameters(site, best.scene.model)) : 0.0;
     if (from != nullptr && bundle.predicted_reduction(model, *from) < kMinPrediction * due) return false;
-    const auto solved = [&](FocalLength f) { return bundle.solve(model, from->scene, from->frames, f, selection.until); };
+    const auto solved = [&](FocalLength f) {
+      return bundle.solve(model, from->scene, from->frames, f, selection.until);
+    };
     BundleSolution solution = from == nullptr ? bundle.solve(model) : solved(FocalLength::kAsModel);
     if (from != nullptr && !is_sane(solution.scene, side) && solution.scene.chi2_dof > kBeyondNoise)
       solution = solved(FocalLength::kHeld);
@@ -168,8 +170,7 @@ std::optional<BundleSolution> with_tilts(const Site& site, std::span<const Bundl
   model.tilts = true;
   const double due = penalty * (parameters(site, model) - parameters(site, without.scene.model));
   if (bundle.predicted_reduction(model, without) < kMinPrediction * due) return std::nullopt;
-  BundleSolution tilted =
-      bundle.solve(model, without.scene, without.frames, FocalLength::kAsModel, selection.until);
+  BundleSolution tilted = bundle.solve(model, without.scene, without.frames, FocalLength::kAsModel, selection.until);
   const int side = std::max(prior.camera.width, prior.camera.height);
   const double gain = without.scene.penalised_cost - tilted.scene.penalised_cost;
   if (!is_sane(tilted.scene, side) || gain < due) return std::nullopt;

@@ -67,9 +67,9 @@ class TargetView {
     const auto at = patch.board(camera_[kStretchParameter], shape_, shift_, n);
     const Vector3d from_centre = Vector3d(at.data()) - centre_;
     const auto turned = turned_by(rotation.data(), std::array{from_centre.x(), from_centre.y(), from_centre.z()});
-    const auto there = projected(camera_.data(), pose_.data(),
-                                 {centre_.x() + turned[0], centre_.y() + turned[1],
-                                  centre_.z() + turned[2] + movement(MovementAxis::kHeight)});
+    const auto there = projected(
+        camera_.data(), pose_.data(),
+        {centre_.x() + turned[0], centre_.y() + turned[1], centre_.z() + turned[2] + movement(MovementAxis::kHeight)});
     const auto here = projected(camera_.data(), pose_.data(), at);
     return {there[0] - here[0], there[1] - here[1]};
   }
@@ -81,7 +81,8 @@ class TargetView {
       for (Eigen::Index axis = 0; axis < out.cols(); ++axis) {
         const double step = axis == MovementAxis::kHeight ? kStep * pose_[5] : kStep;
         const Movement4 by = step * Movement4::Unit(axis);
-        const Vector2d off = patch.pitches_per_px(n) * (moved_by(patch, n, by) - moved_by(patch, n, -by)) / (2.0 * step);
+        const Vector2d off =
+            patch.pitches_per_px(n) * (moved_by(patch, n, by) - moved_by(patch, n, -by)) / (2.0 * step);
         out(static_cast<Eigen::Index>(n), axis) = off.x();
         out(static_cast<Eigen::Index>(n + kPatchPoints), axis) = off.y();
       }
@@ -277,9 +278,8 @@ double MovementRemoval::remove(std::size_t marker, const BundleFrame& read, cons
   const TargetMovement& movement = movements_[marker];
   const TargetView view(site_, scene_, fit, marker, centres_[marker].at);
   const PatchResidual patch(points, site_.markers[marker]);
-  Movement4 step = shown_movement(patch, fitted_design(patch, scene_, frame, fit, marker), view,
-                                  {removed, movement.prior})
-                       .value;
+  Movement4 step =
+      shown_movement(patch, fitted_design(patch, scene_, frame, fit, marker), view, {removed, movement.prior}).value;
   if (!movement.leaves_plane()) step(MovementAxis::kHeight) = 0.0;
   removed += step;
   const PatchResidual before(as_read, site_.markers[marker]);

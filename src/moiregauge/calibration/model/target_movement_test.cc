@@ -46,7 +46,8 @@ Footage rotating_footage(const Recording& truth, double strength_rad, Extent<fra
       const Eigen::Vector3d arm((n % 3 - 1) * grating.width_mm / 3.0 - about_mm.x,
                                 (n / 3 - 1) * grating.height_mm / 3.0 - about_mm.y, 0.0);
       const Eigen::Vector3d there = rotation * arm;
-      const View view{test::seen_from(truth.camera, truth.angles(s), there.z() + height_at(s, height_mm)), truth.camera};
+      const View view{test::seen_from(truth.camera, truth.angles(s), there.z() + height_at(s, height_mm)),
+                      truth.camera};
       fit.image[static_cast<std::size_t>(n)] =
           view(grating.centre + run.shift[k] + about_mm + Extent<frame::Board>{there.x(), there.y()});
     }

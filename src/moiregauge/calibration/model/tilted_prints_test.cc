@@ -47,10 +47,10 @@ TEST(TiltedPrints, DoNotChangeTheDisplacement) {
   EXPECT_NEAR(scene.chi2_dof, 1.0, 0.15) << "seed " << test::kFootageSeed;
   const FrameFit& then = calibration.fits.front();
   for (std::size_t k = 1; k < run.frames.size(); ++k) {
-    const auto error = (calibration.fits[k].shift[kTiltedTarget] - then.shift[kTiltedTarget]) -
-                       (run.shift[k] - run.shift[0]);
-    EXPECT_LT(std::max(std::abs(error.x), std::abs(error.y)), 4.1e-3) << "frame " << k << ", seed "
-                                                                      << test::kFootageSeed;
+    const auto error =
+        (calibration.fits[k].shift[kTiltedTarget] - then.shift[kTiltedTarget]) - (run.shift[k] - run.shift[0]);
+    EXPECT_LT(std::max(std::abs(error.x), std::abs(error.y)), 4.1e-3)
+        << "frame " << k << ", seed " << test::kFootageSeed;
   }
 }
 
@@ -71,7 +71,8 @@ TEST(TiltedPrints, TiltsAreRightWithinTheirUncertainty) {
   const Eigen::MatrixXd covariance = scene.covariance(rows, rows);
   EXPECT_LT(error.dot(covariance.ldlt().solve(error)), 30.0) << "seed " << test::kFootageSeed;
   for (const Eigen::Index axis : {0, 1}) {
-    const double of_difference = covariance(axis, axis) + covariance(axis + 2, axis + 2) - 2.0 * covariance(axis, axis + 2);
+    const double of_difference =
+        covariance(axis, axis) + covariance(axis + 2, axis + 2) - 2.0 * covariance(axis, axis + 2);
     EXPECT_LT(std::sqrt(of_difference), 0.005) << "half the tilts, between two prints";
   }
 }

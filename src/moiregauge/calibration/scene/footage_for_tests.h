@@ -53,7 +53,7 @@ struct Recording {
   std::vector<double> height_mm{};       // one per marker; empty: all are in the plane
   // Tilts about the board's x and y axes, rad, one per marker. Empty: all prints are parallel to the plane.
   std::vector<Extent<frame::Board>> tilt{};
-  double noise = kNoise;                 // pitches
+  double noise = kNoise;  // pitches
 };
 
 // Returns the rotation of a tilted print.

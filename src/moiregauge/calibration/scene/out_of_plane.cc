@@ -76,8 +76,9 @@ std::vector<std::optional<ShownHeight>> shown_heights(const Site& site, const Sc
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (fit.shift_row[i] < 0 || !frame.points[i]) continue;
     const PatchResidual patch(*frame.points[i], site.markers[i]);
-    out[i] = shown_height(fitted_design(patch, scene, frame, fit, i), fit.pose,
-                          frame.removed.empty() ? Eigen::Vector3d::Zero() : Eigen::Vector3d(frame.removed[i].tail<3>()));
+    out[i] =
+        shown_height(fitted_design(patch, scene, frame, fit, i), fit.pose,
+                     frame.removed.empty() ? Eigen::Vector3d::Zero() : Eigen::Vector3d(frame.removed[i].tail<3>()));
   }
   return out;
 }

@@ -83,8 +83,13 @@ ScenePrior scene_prior(const Site& site, int width, int height, const std::optio
     MarkerShape value, u;
     const bool reference = marker.role == Role::kReference;
     value.value[MarkerShape::kHeight] = marker.z_mm.value_or(0.0);
-    u.value = {reference ? known.position_mm : 0.0, reference ? known.position_mm : 0.0, known.rotation_rad,
-               known.print_scale, reference || marker.z_mm ? known.height_mm : kTargetDepth, kMountedTilt, kMountedTilt};
+    u.value = {reference ? known.position_mm : 0.0,
+               reference ? known.position_mm : 0.0,
+               known.rotation_rad,
+               known.print_scale,
+               reference || marker.z_mm ? known.height_mm : kTargetDepth,
+               kMountedTilt,
+               kMountedTilt};
     prior.markers.push_back(value);
     prior.u_markers.push_back(u);
   }

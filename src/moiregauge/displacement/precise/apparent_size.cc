@@ -39,7 +39,8 @@ SizeDeviation deviation_of(std::size_t index, const Marker& marker, const Marker
 double height_u_mm(const Site& site, const Calibration& calibration, ScenePrior prior, std::size_t marker) {
   double& u_scale = prior.u_markers[marker].value[MarkerShape::kScale];
   u_scale = std::hypot(u_scale, kAnySize);
-  const auto covariance = scene_covariance(site, calibration.fits, prior, everything_with(calibration.bundle.scene.model));
+  const auto covariance =
+      scene_covariance(site, calibration.fits, prior, everything_with(calibration.bundle.scene.model));
   const int row = shape_row(marker, MarkerShape::kHeight);
   return std::sqrt(covariance(row, row));
 }

@@ -75,8 +75,16 @@ FramesInScene::FramesInScene(const Reference& reference, const PreciseScene& sce
 // Returns the uncertainty by the targets' movements beyond displacement, mm. Empty: there are none.
 std::vector<Extent<frame::Board>> FramesInScene::u_by_movement(const BundleFrame& placed) const {
   std::vector<Extent<frame::Board>> out;
-  for (std::size_t i = 0; solved_.movements && i < site_.markers.size(); ++i)
-    out.push_back(solved_.movements->u_beyond_noise(i, placed, solved_.calibration.bundle.frames.front()));
+  if (!solved_.movements) return out;
+  const BundleFrame& then = solved_.calibration.bundle.frames.front();
+  for (std::size_t i = 0; i < site_.markers.size(); ++i) {
+    // A movement along the true normal appears along the solved one.
+    const double height_mm = placed.removed.empty() || then.removed.empty()
+                                 ? 0.0
+                                 : (placed.removed[i] - then.removed[i])(MovementAxis::kHeight);
+    out.push_back(
+        hypot3(solved_.movements->u_beyond_noise(i, placed, then), std::abs(height_mm) * budget_.u_normal(), {}));
+  }
   return out;
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/LU>
+
 namespace moiregauge::internal {
 namespace {
 
@@ -30,6 +32,25 @@ Eigen::RowVectorXd turn_of_places(const Site& site, Eigen::Index parameters) {
     sum += dx * dx + dy * dy;
   }
   return sum > 0.0 ? Eigen::RowVectorXd(row / sum) : row;
+}
+
+// Returns the derivatives of the slopes of the references' plane along x and y by the scene parameters, per mm of height:
+// those of a least-squares plane.
+Eigen::Matrix<double, 2, Eigen::Dynamic> slopes_of_heights(const Site& site, Eigen::Index parameters) {
+  Eigen::Matrix<double, 2, Eigen::Dynamic> out = Eigen::Matrix<double, 2, Eigen::Dynamic>::Zero(2, parameters);
+  std::vector<std::pair<Eigen::Vector3d, int>> places;
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    const Marker& m = site.markers[i];
+    if (m.role != Role::kReference || !m.grating) continue;
+    places.emplace_back(Eigen::Vector3d(m.grating->centre.x, m.grating->centre.y, 1.0),
+                        shape_row(i, MarkerShape::kHeight));
+    normal += places.back().first * places.back().first.transpose();
+  }
+  const Eigen::FullPivLU<Eigen::Matrix3d> plane(normal);
+  if (!plane.isInvertible()) return out;
+  for (const auto& [at, row] : places) out.col(row) = plane.solve(at).head<2>();
+  return out;
 }
 
 // Returns the variance that motion during readout adds to a shift, mm^2. 0 for a global shutter.
@@ -66,6 +87,8 @@ PreciseBudget::PreciseBudget(const Site& site, const Eigen::MatrixXd& scene, Fra
   }
   scene_ = scene(used, used);
   u_axis_rad_ = std::sqrt(variance(turn_of_places(site, scene.rows()), scene));
+  const auto slopes = slopes_of_heights(site, scene.rows());
+  u_normal_ = {std::sqrt(variance(slopes.row(0), scene)), std::sqrt(variance(slopes.row(1), scene))};
   products_then_ = products_of(then_);
 }
 

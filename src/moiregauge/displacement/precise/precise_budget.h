@@ -27,6 +27,9 @@ class PreciseBudget {
   // Returns the camera pose of a frame. Its uncertainty includes the noise of the frame and that of the scene.
   [[nodiscard]] CameraPose pose(const FrameFit& now) const;
   [[nodiscard]] const FrameFit& then() const { return then_; }
+  // Returns the standard uncertainty of the board's normal, rad: by how much of a movement along it appears along x and y.
+  // The references' heights define it.
+  [[nodiscard]] Extent<frame::Board> u_normal() const { return u_normal_; }
 
  private:
   friend class FrameBudget;
@@ -48,6 +51,7 @@ class PreciseBudget {
   Products products_then_;
   double u_readout_s_;
   double u_axis_rad_ = 0.0;  // direction of the board's axes, rad
+  Extent<frame::Board> u_normal_;
 };
 
 class FrameBudget {

@@ -28,10 +28,10 @@ constexpr std::size_t kMaxKeyFrames = 120;  // chosen
 // error up to 0.011 and 0.016 px.
 constexpr double kEdgeOfLight = 0.0025, kEdgeOfGrey = 0.003;
 constexpr double kEdgePerOvershoot = 0.07;  // px per unit of overshoot
-// Rounds of scene and removal of movements, at most, and the relative change of chi2 that ends them. Chosen.
-constexpr int kMovementRounds = 5;
-constexpr double kSameChi2 = 1e-3;
-constexpr double kRollingShare = 0.6;       // least share of chi2 that free rotation during readout removes; chosen
+// Rounds of scene and removal of movements, at most, and the relative change of a scene that ends them. Chosen.
+constexpr int kMovementRounds = 6;
+constexpr double kSameScene = 2e-3;
+constexpr double kRollingShare = 0.6;  // least share of chi2 that free rotation during readout removes; chosen
 
 // Returns the indices of the key frames, the reference frame first.
 std::vector<std::size_t> key_of(const FrameSeries& frames) {
@@ -47,6 +47,13 @@ std::vector<BundleFrame> key_frames_of(const FrameSeries& frames) { return frame
 // Returns true if chi2/dof is higher by more than three standard deviations of chi-squared.
 bool fits_worse(const ShutterTest& rolling, const ShutterTest& at_once) {
   return rolling.chi2_dof > at_once.chi2_dof + 3.0 * std::sqrt(2.0 / static_cast<double>(std::max(1L, at_once.dof)));
+}
+
+bool is_same_scene(const Calibration& a, const Calibration& b) {
+  const auto is_same = [](double now, double then) { return std::abs(now - then) <= kSameScene * std::abs(then); };
+  return is_same(a.bundle.scene.camera.fx, b.bundle.scene.camera.fx) &&
+         is_same(a.bundle.scene.chi2_dof, b.bundle.scene.chi2_dof) &&
+         is_same(a.print_error.points_mm, b.print_error.points_mm);
 }
 
 class SceneSolver {
@@ -119,9 +126,9 @@ class SceneSolver {
     const FrameSeries with_movements = read_;
     const auto centres = rotation_centres(reference_, fit_frame(site_, scene, frames.front()));
     // The first scene is bent by the movements, and so is their removal.
-    double change = 1.0;
-    for (int round = 0; round < kMovementRounds && is_solved() && change > kSameChi2; ++round) {
-      const double before = out_.calibration.bundle.scene.chi2_dof;
+    bool is_same = false;
+    for (int round = 0; round < kMovementRounds && is_solved() && !is_same; ++round) {
+      const Calibration before = out_.calibration;
       PreciseScene again;
       again.with_movements = with_movements;
       again.movements =
@@ -131,7 +138,7 @@ class SceneSolver {
       judged_ = false;
       at_once_.reset();
       solve();
-      change = std::abs(out_.calibration.bundle.scene.chi2_dof / before - 1.0);
+      is_same = is_same_scene(before, out_.calibration);
     }
   }
 

@@ -17,8 +17,8 @@ namespace {
 // corresponds to a sixteenth of hidden grating. Blur by half a pitch, with the contrast fitted, leaves 0.17. Chosen.
 constexpr double kHiddenContrast = 0.25;
 
-constexpr double kSureAlone = 6.0;  // coverage factor of a single row, whose number of frames is unknown. Chosen.
-constexpr double kSurely = 2.0;     // coverage factor of a least value
+constexpr double kSureAlone = 6.0;     // coverage factor of a single row, whose number of frames is unknown. Chosen.
+constexpr double kSurely = 2.0;        // coverage factor of a least value
 constexpr double kFalseAlarms = 1e-3;  // per run; chosen
 
 // Returns the status of a grating's image: kOk, or its fault.

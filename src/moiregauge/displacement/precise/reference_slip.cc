@@ -109,7 +109,8 @@ std::optional<ReferenceSlip> fit_reference_step(Site site, std::span<const Bundl
     slip.chi2 += fits.back().chi2_sum;
     slip.dof += fits.back().dof;
   }
-  const Way way = way_of(site, fits, solved.frames, scene_covariance(site, fits, prior, everything_with(model)), marker);
+  const Way way =
+      way_of(site, fits, solved.frames, scene_covariance(site, fits, prior, everything_with(model)), marker);
   if (way.frame.size() < 2) return std::nullopt;
   const Eigen::LLT<Eigen::MatrixXd> root(way.covariance);
   if (root.info() != Eigen::Success) return std::nullopt;

@@ -128,9 +128,8 @@ Solution measured_in_scene(const Reference& reference, const Observations& obser
   for (std::string& line : apparent_size_notes(reference.site, scene.calibration, scene.size_deviations))
     solution.findings.push_back(std::move(line));
   const auto in_scene = [&reference](const SolvedRun& by) {
-    return FramesInScene(
-        reference, by.scene,
-        by.lossy ? std::optional(only_displaced(by.seen.frames, by.scene.movements)) : std::nullopt);
+    return FramesInScene(reference, by.scene,
+                         by.lossy ? std::optional(only_displaced(by.seen.frames, by.scene.movements)) : std::nullopt);
   };
   in_scene(run).measure(observations, run.seen.place, solution);
   solution.joint_errors = [kept, in_scene, &observations] {

@@ -14,8 +14,8 @@ namespace {
 constexpr double kMostDistortion = 0.15;  // beyond it one radial term describes no lens; chosen
 constexpr double kSureOfLens = 3.0;       // coverage factor from which the lens is used; chosen
 constexpr std::size_t kMinGratings = 4;   // that show both axes
-constexpr int kLensRounds = 4;                // Gauss-Newton steps: each reduces the error by the distortion
-constexpr double kLensStep = 1e-3;            // of k1, for its derivatives
+constexpr int kLensRounds = 4;            // Gauss-Newton steps: each reduces the error by the distortion
+constexpr double kLensStep = 1e-3;        // of k1, for its derivatives
 constexpr double kPrintShear = 1e-3;      // u of a gradient by printer and paper; chosen
 constexpr double kUnknownStretch = 0.1;   // prior of the common stretch; chosen
 
@@ -57,7 +57,7 @@ std::vector<LensGrating> gratings_of(const Reference& reference, double u_scale)
     Matrix2 gradient;
     gradient << patch.gradient[0][0], patch.gradient[0][1], patch.gradient[1][0], patch.gradient[1][1];
     if (!gradient.allFinite() || !std::isfinite(patch.u_gradient)) continue;
-    out.push_back({gradient, marker.grating->centre, marker.grating->angle_rad,
+    out.push_back({gradient, marker.grating->centre, reference.plans[i].angle_rad,
                    std::hypot(patch.u_gradient, u_scale, kPrintShear), marker.role != Role::kReference});
   }
   return out;
@@ -69,7 +69,8 @@ void add_rows(const LensGrating& grating, const Matrix2& by_lens, const Matrix2&
   const auto shear = [](const Matrix2& m) { return 0.5 * (m(0, 1) + m(1, 0)); };
   rows.push_back({{0.0, 0.0, 1.0, shear(per_k1)}, shear(left), grating.u});
   if (grating.is_target) {
-    rows.push_back({{1.0, -1.0, 0.0, per_k1(0, 0) - per_k1(1, 1)}, left(0, 0) - left(1, 1), std::sqrt(2.0) * grating.u});
+    rows.push_back(
+        {{1.0, -1.0, 0.0, per_k1(0, 0) - per_k1(1, 1)}, left(0, 0) - left(1, 1), std::sqrt(2.0) * grating.u});
     return;
   }
   rows.push_back({{1.0, 0.0, 0.0, per_k1(0, 0)}, left(0, 0), grating.u});

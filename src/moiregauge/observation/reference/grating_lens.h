@@ -12,7 +12,7 @@ struct Reference;
 
 // View of the board through the circles and a lens of one radial term.
 struct GratingLens {
-  View view;         // fx = fy = half the diagonal, so k1 is the distortion at the corner of the image, relative
+  View view;          // fx = fy = half the diagonal, so k1 is the distortion at the corner of the image, relative
   double u_k1 = 0.0;  // standard uncertainty (k = 1)
 };
 

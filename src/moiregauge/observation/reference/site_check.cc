@@ -60,7 +60,7 @@ class SeenSizes {
     if (!lens_) return seen;
     const Grating& grating = *reference.site.markers[marker].grating;
     const auto k = static_cast<Eigen::Index>(axis);
-    return seen - gradient_by_lens(reference, lens_->view, grating.centre, grating.angle_rad)(k, k);
+    return seen - gradient_by_lens(reference, lens_->view, grating.centre, reference.plans[marker].angle_rad)(k, k);
   }
   // Returns the mean over both axes. NaN if the grating does not determine it.
   [[nodiscard]] double stretch(std::size_t marker) const {
@@ -105,7 +105,8 @@ struct MeanStretch {
   [[nodiscard]] bool is_along_one() const { return std::abs(x - y) > std::max(kSiteTolerance, 0.5 * std::abs(both())); }
 };
 
-// Returns the mean stretch. It is empty if a grating is rotated or does not show both axes.
+// Returns the mean stretch. It is empty if a grating is rotated (a checkerboard is read along its diagonals) or does not
+// show both axes.
 std::optional<MeanStretch> mean_stretch(const SeenSizes& sizes) {
   const Reference& reference = sizes.reference;
   constexpr double kTurned = 0.1;  // rad
@@ -115,7 +116,7 @@ std::optional<MeanStretch> mean_stretch(const SeenSizes& sizes) {
     const Marker& marker = reference.site.markers[i];
     const PatchReading& patch = reference.seen.markers[i].patch;
     if (marker.role != Role::kReference || !marker.grating || !patch.valid) continue;
-    if (std::abs(marker.grating->angle_rad) > kTurned) return std::nullopt;
+    if (std::abs(reference.plans[i].angle_rad) > kTurned) return std::nullopt;
     if (std::isnan(patch.phase_rad[0]) || std::isnan(patch.phase_rad[1])) return std::nullopt;
     sum.x += sizes.stretch(i, 0), sum.y += sizes.stretch(i, 1), count += 1.0;
   }
@@ -180,8 +181,8 @@ std::optional<std::string> pitch_disagreement(const SeenSizes& sizes, std::size_
   const Marker& marker = sizes.reference.site.markers[i];
   const PatchReading& patch = sizes.reference.seen.markers[i].patch;
   const double stretch = sizes.stretch(i);
-  const double allowed = std::max(marker.role == Role::kTarget ? kTargetTolerance : kSiteTolerance,
-                                  kSure * sizes.uncertainty.alone);
+  const double allowed =
+      std::max(marker.role == Role::kTarget ? kTargetTolerance : kSiteTolerance, kSure * sizes.uncertainty.alone);
   // The scale of a small region is noisy, so three times its noise is allowed, too.
   if (std::isnan(stretch) || std::abs(stretch) <= allowed + 3.0 * patch.u_gradient) return std::nullopt;
   return pitch_text(marker, stretch);

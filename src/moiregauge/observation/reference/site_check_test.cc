@@ -6,9 +6,11 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include "moiregauge/observation/reference/grating_lens.h"
 #include "moiregauge/observation/reference/reference.h"
+#include "moiregauge/units/units.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -33,6 +35,7 @@ Reference board_known_to(double u_mm, double stretch, std::size_t stretched) {
     seen.patch.u_gradient = 1e-4;
     reference.circles.push_back({reference.site.markers.size(), at, {}, 0.03});
     reference.site.markers.push_back(marker);
+    reference.plans.emplace_back();
     reference.seen.markers.push_back(seen);
   }
   return reference;
@@ -74,8 +77,9 @@ TEST(SiteCheck, CirclesThatAllLookTooSmallHintAtTheToneCurve) {
 
 // A layout of 1000 x 560 px in an image of 1280 x 720 px, with targets in the middle and at its lower edge. The lens
 // displaces a point at the corner of the image by `distortion` of half the diagonal. All gratings are `larger` than
-// stated. A grating at X is seen at S(X), and the raster reads it by a map without a lens, as S^-1 would be.
-Reference behind_lens(double distortion, double larger) {
+// stated. A grating at X is seen at S(X), and the raster reads it by a map without a lens, as S^-1 would be. The axes of
+// the raster are rotated by `raster_rad`.
+Reference behind_lens(double distortion, double larger, double raster_rad = 0.0) {
   const double f = 0.5 * std::hypot(1280.0, 720.0);
   const auto seen_at = [&](BoardPoint p) {  // 0.5 mm per px
     const double x = 2.0 * p.x / f, y = -2.0 * p.y / f, radial = 1.0 + distortion * (x * x + y * y);
@@ -100,17 +104,17 @@ Reference behind_lens(double distortion, double larger) {
   reference.view = {fit_circles(reference.circles).value(), {}};
   for (const Marker& marker : reference.site.markers) {
     const BoardPoint at = marker.grating->centre;
-    const auto read_at = [&](Extent<frame::Board> d) {
-      return reference.view.board(seen_at(at + (1.0 + larger) * d));
-    };
+    const auto read_at = [&](Extent<frame::Board> d) { return reference.view.board(seen_at(at + (1.0 + larger) * d)); };
     const auto by_x = read_at({1e-3, 0}) - read_at({-1e-3, 0}), by_y = read_at({0, 1e-3}) - read_at({0, -1e-3});
     Matrix2 magnified;
     magnified << by_x.x, by_y.x, by_x.y, by_y.y;
-    const Matrix2 gradient = Matrix2::Identity() - (magnified / 2e-3).inverse();
+    const Matrix2 axes = Eigen::Rotation2Dd(raster_rad).toRotationMatrix();
+    const Matrix2 gradient = axes.transpose() * (Matrix2::Identity() - (magnified / 2e-3).inverse()) * axes;
     MarkerObservation seen;
     seen.patch.valid = true;
     seen.patch.gradient = {{{gradient(0, 0), gradient(0, 1)}, {gradient(1, 0), gradient(1, 1)}}};
     seen.patch.u_gradient = 1e-4;
+    reference.plans.emplace_back().angle_rad = raster_rad;
     reference.seen.markers.push_back(seen);
   }
   return reference;
@@ -118,13 +122,15 @@ Reference behind_lens(double distortion, double larger) {
 
 // The radial sizes at the corners differ from those across by 2 k r^2, 10 % for a lens of 8 %.
 TEST(SiteCheck, ALensIsNoWrongPitch) {
-  for (const double distortion : {-0.08, -0.05, 0.05, 0.08}) {
-    const Reference reference = behind_lens(distortion, 0.0);
-    const auto text = site_disagreement(reference);
-    EXPECT_FALSE(text) << *text << ", distortion " << distortion;
-    const auto lens = lens_from_gratings(reference, 0.005);
-    ASSERT_TRUE(lens);
-    EXPECT_NEAR(lens->view.lens.k1, distortion, 1e-4) << "no noise, and the Gauss-Newton steps have converged";
+  for (const double raster_rad : {0.0, kPi / 4.0}) {  // a checkerboard is read along its diagonals
+    for (const double distortion : {-0.08, -0.05, 0.05, 0.08}) {
+      const Reference reference = behind_lens(distortion, 0.0, raster_rad);
+      const auto text = site_disagreement(reference);
+      EXPECT_FALSE(text) << *text << ", distortion " << distortion << ", raster " << raster_rad;
+      const auto lens = lens_from_gratings(reference, 0.005);
+      ASSERT_TRUE(lens);
+      EXPECT_NEAR(lens->view.lens.k1, distortion, 1e-4) << "no noise, and the Gauss-Newton steps have converged";
+    }
   }
 }
 
