@@ -24,8 +24,8 @@ namespace moiregauge::internal {
 // Returns one line if the camera hardly rotates and moves in these frames. Its lens was then hardly tested.
 [[nodiscard]] std::optional<std::string> still_camera_note(const Scene& scene, std::span<const BundleFrame> frames);
 
-// Returns a line for every target whose height or rotation was removed from these frames, with the largest
-// one since the reference frame, which is the first.
+// Returns a line for every target whose height or rotation was removed from these frames. It states the largest one
+// since the reference frame, which is the first.
 [[nodiscard]] std::vector<std::string> movement_notes(const Site& site, const MovementRemoval& removal,
                                                       std::span<const BundleFrame> frames);
 

@@ -16,8 +16,8 @@
 
 namespace moiregauge::internal {
 
-// Movement of a target beyond its displacement: height (mm), then the rotation about the board's x, y and z axes (right,
-// up, towards the camera) through the centre of its grating (rad).
+// Movement of a target beyond its displacement: height (mm), then rotation (rad) through the centre of its grating. The
+// axes are the board's x, y and z: right, up, towards the camera.
 using Movement4 = Eigen::Vector4d;
 struct MovementAxis {
   static constexpr Eigen::Index kHeight = 0, kRotation = 1, kInPlane = 3;
@@ -64,8 +64,8 @@ class MovementRemoval {
   [[nodiscard]] BundleFrame displaced_only(const BundleFrame& read) const;
   [[nodiscard]] const TargetMovement& movement(std::size_t marker) const { return movements_[marker]; }
   [[nodiscard]] const RotationCentre& centre(std::size_t marker) const { return centres_[marker]; }
-  // Returns the uncertainty of a target's displacement beyond noise, mm: that of the centre of its rotation, and that of
-  // its size between two views, by which its height is known.
+  // Returns the uncertainty of a target's displacement beyond noise, mm. It has two parts: the centre of the rotation, and
+  // the size of the grating between two views, which shows the height.
   [[nodiscard]] Extent<frame::Board> u_beyond_noise(std::size_t marker, const BundleFrame& now,
                                                     const BundleFrame& then) const;
 

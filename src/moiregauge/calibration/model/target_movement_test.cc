@@ -147,8 +147,8 @@ Recording rig_with_target_aside() {
   return truth;
 }
 
-// A height of 3 mm appears as a displacement of 0.19 times that, 0.58 mm. The nine points, 20 mm apart, show the size of
-// the print to 2 um / sqrt(4800 mm^2), and so its height to 35 um at 1200 mm. Its displacement is therefore known to
+// A height of 3 mm appears as a displacement of 0.19 times that, 0.58 mm. The nine points are 20 mm apart and show the
+// size of the print to 2 um / sqrt(4800 mm^2). At 1200 mm that is a height of 35 um. Its displacement is therefore known to
 // 0.19 * 35 um * sqrt(2) = 9.4 um. The limit is four times that.
 TEST(TargetMovement, AHeightDoesNotChangeTheDisplacement) {
   const Recording truth = rig_with_target_aside();
@@ -159,8 +159,8 @@ TEST(TargetMovement, AHeightDoesNotChangeTheDisplacement) {
   EXPECT_LT(worst_error_mm(truth, calibration, run), 0.038) << "seed " << test::kFootageSeed;
 }
 
-// The variance of a displacement contains that of the height. Errors of all frames share the reference frame's, so the
-// mean square of error over u is between 0.3 and 3 in all but a few of a thousand draws.
+// The variance of a displacement contains that of the height. All errors share that of the reference frame. The mean
+// square of error over u is therefore between 0.3 and 3 in all but a few of a thousand draws.
 TEST(TargetMovement, TheUncertaintyContainsThatOfTheHeight) {
   const Recording truth = rig_with_target_aside();
   const Footage run = rotating_footage(truth, 0.0, {}, 3.0);

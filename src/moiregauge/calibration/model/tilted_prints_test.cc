@@ -34,8 +34,8 @@ Calibration solved_as_seen(const Recording& truth, const Footage& run) {
 }
 
 // Noise of 2 um for each of nine points gives 2 um / 3 sqrt(1 + 1/6) sqrt(2) = 1.02 um. The limit is four times that,
-// for 46 values. With tilts of 10 mrad the edges of a print are 0.2 mm out of the plane: 4 um of perspective, and 10 um
-// when the camera has rotated by 3 deg.
+// for 46 values. With tilts of 10 mrad the edges of a print are 0.2 mm out of the plane. That is 4 um of perspective,
+// and 10 um when the camera has rotated by 3 deg.
 TEST(TiltedPrints, DoNotChangeTheDisplacement) {
   const Recording truth = mounted_with(0.010);
   const Footage run = test::footage_of(truth, kFramesOfTilts);

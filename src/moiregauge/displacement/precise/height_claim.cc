@@ -27,7 +27,8 @@ std::vector<std::size_t> targets_with_height(const Site& site) {
   return out;
 }
 
-// Returns the prior with the u of a target's height as if `z_mm` were missing, about the stated height.
+}  // namespace
+
 ScenePrior with_unknown_heights(Site site, ScenePrior prior) {
   const auto targets = targets_with_height(site);
   for (const std::size_t i : targets) site.markers[i].z_mm.reset();
@@ -38,8 +39,6 @@ ScenePrior with_unknown_heights(Site site, ScenePrior prior) {
   }
   return prior;
 }
-
-}  // namespace
 
 std::optional<HeightContradiction> height_contradiction(const Site& site, std::span<const BundleFrame> frames,
                                                         const ScenePrior& given, const Calibration& solved,

@@ -10,6 +10,9 @@
 
 namespace moiregauge::internal {
 
+// Returns the prior with the u of the targets' heights as if every `z_mm` were missing, about the stated heights.
+[[nodiscard]] ScenePrior with_unknown_heights(Site site, ScenePrior prior);
+
 // A stated height that the footage contradicts.
 struct HeightContradiction {
   std::size_t marker = 0;

@@ -34,8 +34,8 @@ Eigen::RowVectorXd turn_of_places(const Site& site, Eigen::Index parameters) {
   return sum > 0.0 ? Eigen::RowVectorXd(row / sum) : row;
 }
 
-// Returns the derivatives of the slopes of the references' plane along x and y by the scene parameters, per mm of height:
-// those of a least-squares plane.
+// Returns the derivatives of the slopes of the references' plane (least squares) along x and y. They are by the scene
+// parameters, per mm of height.
 Eigen::Matrix<double, 2, Eigen::Dynamic> slopes_of_heights(const Site& site, Eigen::Index parameters) {
   Eigen::Matrix<double, 2, Eigen::Dynamic> out = Eigen::Matrix<double, 2, Eigen::Dynamic>::Zero(2, parameters);
   std::vector<std::pair<Eigen::Vector3d, int>> places;

@@ -118,11 +118,10 @@ class SceneSolver {
   // Solves again without the movements of targets beyond displacement, if any target rotates or leaves its plane.
   void remove_movements() {
     const Scene& scene = out_.calibration.bundle.scene;
-    auto frames = key_frames_of(out_.frames);
-    // The pose from the prior's camera is too far from the solved camera's for the few steps of a fit.
-    for (BundleFrame& frame : frames) frame.pose = pose_of(site_, scene, frame).value_or(frame.pose);
-    const TargetMovements movements = find_movements(site_, scene, frames);
-    if (movements.empty()) return;
+    const auto frames = placed_in(scene);
+    TargetMovements movements = find_movements(site_, scene, frames);
+    keep_heights_that_no_statement_causes(movements);
+    if (std::ranges::none_of(movements, &TargetMovement::moves)) return;
     const FrameSeries with_movements = read_;
     const auto centres = rotation_centres(reference_, fit_frame(site_, scene, frames.front()));
     // The first scene is bent by the movements, and so is their removal.
@@ -139,6 +138,31 @@ class SceneSolver {
       at_once_.reset();
       solve();
       is_same = is_same_scene(before, out_.calibration);
+    }
+  }
+
+  // Returns the key frames with their poses in this scene. The pose from the prior's camera is too far from the solved
+  // camera's for the few steps of a fit.
+  [[nodiscard]] std::vector<BundleFrame> placed_in(const Scene& scene) const {
+    auto frames = key_frames_of(out_.frames);
+    for (BundleFrame& frame : frames) frame.pose = pose_of(site_, scene, frame).value_or(frame.pose);
+    return frames;
+  }
+
+  // A wrong z_mm or camera also moves targets out of their plane in the scene. Keeps the heights that are still shown
+  // without these statements.
+  void keep_heights_that_no_statement_causes(TargetMovements& movements) const {
+    const bool states_heights = std::ranges::any_of(
+        site_.markers, [](const Marker& m) { return m.role != Role::kReference && m.z_mm.has_value(); });
+    if (std::ranges::none_of(movements, &TargetMovement::leaves_plane)) return;
+    if (!states_heights && !reference_.knows_camera()) return;
+    ScenePrior open = with_unknown_heights(site_, prior_);
+    if (reference_.knows_camera()) open = with_unknown_lens(std::move(open));
+    const Scene scene = calibrate(site_, key_frames_of(out_.frames), open).bundle.scene;
+    if (!scene.solved) return;
+    const TargetMovements shown = find_movements(site_, scene, placed_in(scene));
+    for (std::size_t i = 0; i < movements.size(); ++i) {
+      if (shown.empty() || !shown[i].leaves_plane()) movements[i].prior(MovementAxis::kHeight) = 0.0;
     }
   }
 

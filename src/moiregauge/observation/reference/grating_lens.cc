@@ -15,7 +15,7 @@ constexpr double kMostDistortion = 0.15;  // beyond it one radial term describes
 constexpr double kSureOfLens = 3.0;       // coverage factor from which the lens is used; chosen
 constexpr std::size_t kMinGratings = 4;   // that show both axes
 constexpr int kLensRounds = 4;            // Gauss-Newton steps: each reduces the error by the distortion
-constexpr double kLensStep = 1e-3;        // of k1, for its derivatives
+constexpr double kLensStep = 1e-3;        // change of k1 for its derivatives
 constexpr double kPrintShear = 1e-3;      // u of a gradient by printer and paper; chosen
 constexpr double kUnknownStretch = 0.1;   // prior of the common stretch; chosen
 

@@ -22,8 +22,8 @@ struct GratingLens {
 // Fails (nothing): a camera is given, k1 is within three u, or beyond a distortion of 15 %.
 [[nodiscard]] std::optional<GratingLens> lens_from_gratings(const Reference& reference, double u_scale);
 
-// Returns the phase gradient that the lens causes at a point, along axes that are rotated by `angle_rad`: apparent
-// displacement (mm) per mm, against the view of the circles without a lens.
+// Returns the phase gradient that the lens causes at a point, as apparent displacement (mm) per mm. It is against the
+// view of the circles without a lens, and along axes that are rotated by `angle_rad`.
 [[nodiscard]] Matrix2 gradient_by_lens(const Reference& reference, const View& through_lens, BoardPoint at,
                                        double angle_rad);
 

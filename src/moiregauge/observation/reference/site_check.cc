@@ -46,8 +46,8 @@ constexpr double kSure = 3.0;
 constexpr double kAlike = 0.5, kLargestByTone_px = 3.0;
 constexpr std::size_t kCirclesForTone = 3;
 
-// Sizes of gratings and circles in the image against the site, by the scale of the circle spacing. Without a camera, a
-// lens that the gratings show is taken out. Else a distortion of 4 % would look like wrong pitches.
+// Sizes of gratings and circles in the image against the site, by the scale of the circle spacing. A lens that
+// the gratings show is removed. Otherwise a distortion of 4 % would look like wrong pitches.
 class SeenSizes {
  public:
   explicit SeenSizes(const Reference& seen)
