@@ -16,6 +16,7 @@ namespace moiregauge::internal {
 namespace {
 
 constexpr int kReadoutRounds = 10;       // chosen
+constexpr int kTiltRounds = 2;           // more rounds, with the tilts of prints; chosen
 constexpr double kConvergedShare = 0.1;  // readout converged: change relative to its own u; chosen
 // Largest factor between the readout times of two rounds. The scene of the first round assumes the prior's readout time
 // and can be far off, and so can the step from it. Chosen.
@@ -141,10 +142,11 @@ class RollingShutterSolver {
     note_rows();
     fits_ = fits_of(as_given_);
     take_poses();
-    bool is_last = false;
+    bool is_last = false, tilts = false;
+    int last = kReadoutRounds;
     double first_chi2_dof = 0.0;
     for (int round = 0;; ++round) {
-      is_last = is_last || round == kReadoutRounds;
+      is_last = is_last || round == last;
       follow_path();
       const double before = out_.readout_s;
       // Poses of the first round assume a global shutter. They fit any readout time.
@@ -152,8 +154,9 @@ class RollingShutterSolver {
       set_all_back();
       // Earlier rounds only improve the path, so they need no full convergence. Tilts would follow what is left of the
       // readout.
-      out_.calibration = calibrate(site_, out_.frames.at(key_), prior_,
-                                   {.until = is_last ? Until::kConverged : Until::kChi2Converged, .tilts = is_last});
+      out_.calibration =
+          calibrate(site_, out_.frames.at(key_), prior_,
+                    {.until = is_last ? Until::kConverged : Until::kChi2Converged, .tilts = is_last || tilts});
       if (!out_.calibration.bundle.scene.solved) return without(out_.calibration.bundle.scene.problem);
       if (round == 0) first_chi2_dof = out_.calibration.shutter.chi2_dof;
       if (is_stuck(round, first_chi2_dof)) return without("no readout time explains the frames");
@@ -162,8 +165,12 @@ class RollingShutterSolver {
       take_poses();
       if (std::abs(out_.readout_s - before) > kMovedReadout * out_.u_readout_s) wider_.fill(1.0);
       widen();
-      if (is_last) break;
-      is_last = round >= 2 && std::abs(out_.readout_s - before) < kConvergedShare * out_.u_readout_s;
+      if (is_last && (tilts || !scene_.model.tilts)) break;
+      if (is_last) {
+        tilts = true;  // the path has yet to follow the scene with them
+        last = round + kTiltRounds;
+      }
+      is_last = !is_last && round >= 2 && std::abs(out_.readout_s - before) < kConvergedShare * out_.u_readout_s;
     }
     count_cost();
     return std::move(out_);
