@@ -76,8 +76,12 @@ void FrameObserver::resume(Reference reference, int bits) {
 // Tries to make `frame` the reference frame. The first failure is kept as the refusal.
 bool FrameObserver::refer_to(const Frame& frame) {
   if (!refer_as_light(frame)) {
+    out_.reference.reset();
     light_ = LightMap(stated_tone(), out_.input.bits);
-    if (!refer_in_light(frame) || !follow_shown_tone(frame)) return false;
+    if (!(refer_in_light(frame) && follow_shown_tone(frame)) && !refer_against_assumed_tone(frame)) {
+      out_.reference.reset();
+      return false;
+    }
   }
   out_.notes.insert(out_.notes.end(), reference_notes_.begin(), reference_notes_.end());
   learn_templates(frame);
@@ -91,6 +95,24 @@ bool FrameObserver::refer_as_light(const Frame& frame) {
   if (options_.tone || stated.source != ToneSource::kAssumed || stated.curve.is_linear()) return false;
   light_ = LightMap({{.is_full_range = stated.curve.is_full_range}, ToneSource::kFootage}, out_.input.bits);
   return refer_in_light(frame) && shows_light(*out_.reference, out_.input.bits);
+}
+
+// Tries a linear tone curve after the assumed one contradicted the site. Returns false if a curve is stated, or if the
+// grating edges show another one. The refusal then stays that of the assumed curve.
+bool FrameObserver::refer_against_assumed_tone(const Frame& frame) {
+  const Tone stated = stated_tone();
+  if (options_.tone || stated.source != ToneSource::kAssumed || stated.curve.is_linear()) return false;
+  const std::string refusal = out_.refusal;
+  light_ = LightMap({{.is_full_range = stated.curve.is_full_range}, ToneSource::kFootage}, out_.input.bits);
+  if (!refer_in_light(frame) || contradicting_tone(*out_.reference, light_.tone(), out_.input.bits)) {
+    out_.refusal = refusal;
+    return false;
+  }
+  reference_notes_.push_back(fmt::format(
+      "note: the tone curve linear is used, because the site contradicts {}, which is typical of this input. "
+      "Give --tone to use another",
+      name_of(stated.curve)));
+  return true;
 }
 
 // Repeats the reference frame with the tone curve of the grating edges, if they contradict the stated one. Edges that

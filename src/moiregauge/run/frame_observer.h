@@ -44,6 +44,7 @@ class FrameObserver {
 
  private:
   bool refer_as_light(const Frame& frame);
+  bool refer_against_assumed_tone(const Frame& frame);
   bool follow_shown_tone(const Frame& frame);
   bool refer_in_light(const Frame& frame);
   [[nodiscard]] Tone stated_tone() const;

@@ -193,7 +193,11 @@ std::optional<double> excess_px(const SeenSizes& sizes, std::size_t i) {
   const Marker& marker = sizes.reference.site.markers[i];
   const auto& seen = sizes.reference.seen.markers[i].circle;
   if (!seen || !marker.circle || marker.circle->diameter_mm <= 0.0) return std::nullopt;
-  return seen->diameter_px - marker.circle->diameter_mm / sizes.mm_per_px(marker.circle->centre);
+  // The lens at a circle is less certain than at the gratings, which are nearer to the middle. It may only excuse.
+  const auto excess = [&](double mm_per_px) { return seen->diameter_px - marker.circle->diameter_mm / mm_per_px; };
+  const double through_lens = excess(sizes.mm_per_px(marker.circle->centre));
+  const double without = excess(sizes.reference.view.mm_per_px(marker.circle->centre));
+  return std::abs(through_lens) < std::abs(without) ? through_lens : without;
 }
 
 // Returns a hint if all circles differ from their diameters by about `found_px`, as one of them does. Grey levels that
