@@ -30,8 +30,8 @@ struct ShownHeight {
 [[nodiscard]] std::vector<std::optional<ShownHeight>> shown_heights(const Site& site, const Scene& scene,
                                                                     const BundleFrame& frame, const FrameFit& fit);
 
-// Returns the standard uncertainty of a grating's size between two views beyond noise, relative. `turned_rad`: rotation
-// of the target between them.
+// Returns the standard uncertainty of a grating's size between two views beyond noise, relative. `turned_rad`: the
+// target's rotation between them.
 [[nodiscard]] double u_of_size(const Pose& now, const Pose& then, const Eigen::Vector3d& turned_rad);
 
 // Movement out of the plane between two frames.

@@ -120,7 +120,7 @@ class SceneSolver {
     const Scene& scene = out_.calibration.bundle.scene;
     const auto frames = placed_in(scene);
     TargetMovements movements = find_movements(site_, scene, frames);
-    keep_heights_that_no_statement_causes(movements);
+    exclude_heights_by_wrong_statements(movements);
     if (std::ranges::none_of(movements, &TargetMovement::moves)) return;
     const FrameSeries with_movements = read_;
     const auto centres = rotation_centres(reference_, fit_frame(site_, scene, frames.front()));
@@ -149,9 +149,9 @@ class SceneSolver {
     return frames;
   }
 
-  // A wrong z_mm or camera also moves targets out of their plane in the scene. Keeps the heights that are still shown
+  // A wrong z_mm or camera also moves targets out of their plane in the scene. Excludes heights that are not shown
   // without these statements.
-  void keep_heights_that_no_statement_causes(TargetMovements& movements) const {
+  void exclude_heights_by_wrong_statements(TargetMovements& movements) const {
     const bool states_heights = std::ranges::any_of(
         site_.markers, [](const Marker& m) { return m.role != Role::kReference && m.z_mm.has_value(); });
     if (std::ranges::none_of(movements, &TargetMovement::leaves_plane)) return;

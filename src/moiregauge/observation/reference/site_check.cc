@@ -188,16 +188,23 @@ std::optional<std::string> pitch_disagreement(const SeenSizes& sizes, std::size_
   return pitch_text(marker, stretch);
 }
 
-// Returns how much larger a circle is in the image than stated, px. Nothing: it has no circle, or that is not seen.
-std::optional<double> excess_px(const SeenSizes& sizes, std::size_t i) {
+// How much larger a circle is in the image than stated, and the scale of the view there.
+struct Excess {
+  double px, mm_per_px;
+};
+
+// Fails (nothing): the marker has no circle, or it is not seen.
+std::optional<Excess> excess_of(const SeenSizes& sizes, std::size_t i) {
   const Marker& marker = sizes.reference.site.markers[i];
   const auto& seen = sizes.reference.seen.markers[i].circle;
   if (!seen || !marker.circle || marker.circle->diameter_mm <= 0.0) return std::nullopt;
   // The lens at a circle is less certain than at the gratings, which are nearer to the middle. It may only excuse.
-  const auto excess = [&](double mm_per_px) { return seen->diameter_px - marker.circle->diameter_mm / mm_per_px; };
-  const double through_lens = excess(sizes.mm_per_px(marker.circle->centre));
-  const double without = excess(sizes.reference.view.mm_per_px(marker.circle->centre));
-  return std::abs(through_lens) < std::abs(without) ? through_lens : without;
+  const auto excess = [&](double mm_per_px) {
+    return Excess{seen->diameter_px - marker.circle->diameter_mm / mm_per_px, mm_per_px};
+  };
+  const Excess through_lens = excess(sizes.mm_per_px(marker.circle->centre));
+  const Excess without = excess(sizes.reference.view.mm_per_px(marker.circle->centre));
+  return std::abs(through_lens.px) < std::abs(without.px) ? through_lens : without;
 }
 
 // Returns a hint if all circles differ from their diameters by about `found_px`, as one of them does. Grey levels that
@@ -205,9 +212,9 @@ std::optional<double> excess_px(const SeenSizes& sizes, std::size_t i) {
 std::string tone_hint(const SeenSizes& sizes, double found_px) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < sizes.reference.site.markers.size(); ++i) {
-    const auto excess = excess_px(sizes, i);
+    const auto excess = excess_of(sizes, i);
     if (!excess) continue;
-    if (!(*excess / found_px > kAlike && found_px / *excess > kAlike)) return "";
+    if (!(excess->px / found_px > kAlike && found_px / excess->px > kAlike)) return "";
     ++count;
   }
   if (count < kCirclesForTone || std::abs(found_px) > kLargestByTone_px) return "";
@@ -219,17 +226,16 @@ std::string tone_hint(const SeenSizes& sizes, double found_px) {
 
 std::optional<std::string> diameter_disagreement(const SeenSizes& sizes, std::size_t i) {
   const Marker& marker = sizes.reference.site.markers[i];
-  const auto difference_px = excess_px(sizes, i);
-  if (!difference_px || std::abs(*difference_px) <= kDiameterTolerance) return std::nullopt;
-  const double mm_per_px = sizes.mm_per_px(marker.circle->centre);
-  if (std::abs(*difference_px) * mm_per_px <=
-      std::max(kSiteTolerance, kSure * sizes.uncertainty.alone) * marker.circle->diameter_mm)
+  const auto excess = excess_of(sizes, i);
+  if (!excess || std::abs(excess->px) <= kDiameterTolerance) return std::nullopt;
+  const double excess_mm = excess->px * excess->mm_per_px;
+  if (std::abs(excess_mm) <= std::max(kSiteTolerance, kSure * sizes.uncertainty.alone) * marker.circle->diameter_mm)
     return std::nullopt;
   return fmt::format(
              "circle_diameter_mm = {:.4g} of marker '{}' contradicts the spacing of the reference circles, which gives "
              "{:.4g} mm",
-             marker.circle->diameter_mm, marker.name, marker.circle->diameter_mm + *difference_px * mm_per_px) +
-         tone_hint(sizes, *difference_px);
+             marker.circle->diameter_mm, marker.name, marker.circle->diameter_mm + excess_mm) +
+         tone_hint(sizes, excess->px);
 }
 
 }  // namespace
