@@ -188,7 +188,7 @@ std::optional<std::string> pitch_disagreement(const SeenSizes& sizes, std::size_
   return pitch_text(marker, stretch);
 }
 
-// How much larger a circle is in the image than stated, and the scale of the view there.
+// The amount by which a circle in the image is larger than stated, and the scale of the view there.
 struct Excess {
   double px, mm_per_px;
 };
