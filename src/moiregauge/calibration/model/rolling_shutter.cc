@@ -99,15 +99,6 @@ FitSummary summary_of(const FrameFit& fit, bool has_motion) {
 // Returns true if the readout time is clearly above zero and below its limit.
 bool is_clear(const Shutter& s) { return !s.bounded && std::abs(s.readout_s) > kSureReadout * s.u_readout_s; }
 
-// Footage to solve, and what is known of it.
-struct ShutterTask {
-  const Site& site;
-  const FrameSeries& frames;
-  std::span<const std::size_t> key;
-  const ScenePrior& prior;
-  std::optional<double> readout_s;
-};
-
 class RollingShutterSolver {
  public:
   RollingShutterSolver(const ShutterTask& task, double side, double start)
@@ -116,6 +107,7 @@ class RollingShutterSolver {
         read_(task.frames.starts().begin(), task.frames.starts().end()),
         key_(task.key),
         prior_(task.prior),
+        movements_(task.movements),
         is_given_(task.readout_s.has_value()),
         side_(side),
         known_to_(is_given_ ? kGivenReadout : kUsualWithin) {
@@ -297,7 +289,8 @@ class RollingShutterSolver {
   void set_all_back() {
     auto set = std::make_shared<const SetBack>(
         SetBack{site_, as_given_, scene_, read_, motions_, out_.readout_s, prior_.rows_run});
-    out_.frames = as_given_.with([set = std::move(set)](std::size_t k) { return set->frame(k); });
+    out_.with_movements = as_given_.with([set = std::move(set)](std::size_t k) { return set->frame(k); });
+    out_.frames = only_displaced(out_.with_movements, movements_);
   }
 
   // Returns half the derivative of the prior's chi2 by each scene parameter.
@@ -351,14 +344,29 @@ class RollingShutterSolver {
     out_.u_readout_s = std::hypot(1.0 / std::sqrt(information), kReadoutOfPath * out_.readout_s);
   }
 
-  // Inflates the process noise by expectation maximisation, component by component.
+  // Returns the mean of what the frames' points show beyond the path. No camera moves so in every frame, so it is an error
+  // of the scene. A tilted print, for example, looks like a rotation that accelerates during each readout.
+  [[nodiscard]] Motion mean_motion() const {
+    Motion sum = Motion::Zero();
+    int frames = 0;
+    for (const FitSummary& fit : fits_) {
+      if (!fit.ok || !fit.motion_variance) continue;
+      sum += fit.motion;
+      ++frames;
+    }
+    return sum / std::max(1, frames);
+  }
+
+  // Inflates the process noise by expectation maximisation, component by component. The mean does not count: it would
+  // free every frame's motion to follow errors of the scene.
   void widen() {
+    const Motion mean = mean_motion();
     for (std::size_t c = 0; c < wider_.size(); ++c) {
       double found = 0.0, expected = 0.0;
+      const auto at = static_cast<Eigen::Index>(c);
       for (std::size_t k = 0; k < fits_.size(); ++k) {
         if (!fits_[k].ok || !fits_[k].motion_variance) continue;
-        const auto at = static_cast<Eigen::Index>(c);
-        found += fits_[k].motion(at) * fits_[k].motion(at) + (*fits_[k].motion_variance)(at);
+        found += std::pow(fits_[k].motion(at) - mean(at), 2) + (*fits_[k].motion_variance)(at);
         const auto& p = motions_[k].camera[c % kPathParameters].covariance;
         expected += c < kPathParameters ? p(0, 0) : p(1, 1);
       }
@@ -378,6 +386,7 @@ class RollingShutterSolver {
   std::vector<std::vector<double>> row_share_;  // by frame, then site marker
   std::span<const std::size_t> key_;
   const ScenePrior& prior_;
+  std::shared_ptr<const MovementRemoval> movements_;
   bool is_given_;
   double side_, known_to_, expected_s_ = 0.0;
   std::vector<std::size_t> order_;  // frame indices by time
@@ -414,11 +423,9 @@ bool is_better(const Shutter& a, const Shutter& b) {
 
 }  // namespace
 
-Shutter solve_shutter(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key,
-                      const ScenePrior& prior, std::optional<double> readout_s) {
-  const ShutterTask task{site, frames, key, prior, readout_s};
+Shutter solve_shutter(const ShutterTask& task) {
   const auto solved = [&](double side, double start) { return RollingShutterSolver(task, side, start).solved(); };
-  if (readout_s) return solved(1.0, 1.0);
+  if (task.readout_s) return solved(1.0, 1.0);
   Shutter down = solved(1.0, 1.0);
   if (is_hopeless(down)) return down;
   // The scene that the expected readout time gives can be far off if the true one is much shorter.

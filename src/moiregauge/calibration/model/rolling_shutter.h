@@ -2,10 +2,13 @@
 // Rolling shutter: scene, camera path and readout time, solved in turn.
 #pragma once
 
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "moiregauge/calibration/model/calibrate.h"
+#include "moiregauge/calibration/model/target_movement.h"
 #include "moiregauge/calibration/rolling_shutter/row_motion.h"
 
 namespace moiregauge::internal {
@@ -15,7 +18,8 @@ inline constexpr double kGivenReadout = 0.03;
 
 struct Shutter {
   Calibration calibration;
-  FrameSeries frames;  // all frames, points at frame time
+  FrameSeries with_movements;  // all frames, points at frame time
+  FrameSeries frames;          // the same without the movements of targets beyond displacement
   // Uncertainty from the target's motion during readout, mm, by frame, then site marker.
   std::vector<std::vector<Extent<frame::Board>>> u_target;
   double readout_s = 0.0;  // negative: the readout starts at the opposite end of the image
@@ -26,17 +30,26 @@ struct Shutter {
   std::string problem;       // reason of a failure; all other fields are then invalid
 };
 
+// Footage to solve, and what is known of it.
+struct ShutterTask {
+  const Site& site;
+  const FrameSeries& frames;         // as read, the reference frame first
+  std::span<const std::size_t> key;  // indices of the frames for the scene, with the reference frame
+  const ScenePrior& prior;
+  std::optional<double> readout_s;  // given. If not, both directions are tried, unless the first is above 3 u
+  // Removes the movements of targets beyond displacement at frame time: in frames as read, the rolling shutter shears
+  // the gratings of targets like a movement. Null: the targets are only displaced.
+  std::shared_ptr<const MovementRemoval> movements = nullptr;
+};
+
 // Solves path, readout time and scene in turn, at most ten rounds and a last one to full convergence. A smoothing
 // spline through the poses (smooth_path) yields rates, which correct the points to frame time. The frames' own points
 // inflate the process noise per component: vibrations above half the frame rate look slow in the poses.
 // Fails (problem is not empty): too few frames for a motion, no scene could be solved, or no readout time explains the
 // frames.
 //
-// `frames`: as read, the reference frame first. Without time stamps the frame number counts as seconds.
-// `key`: indices of the frames for the scene, with the reference frame.
-// `readout_s`: given, or nothing if unknown. Then both directions are tried, unless the first is above 3 u.
-[[nodiscard]] Shutter solve_shutter(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key,
-                                    const ScenePrior& prior, std::optional<double> readout_s);
+// Without time stamps the frame number counts as seconds.
+[[nodiscard]] Shutter solve_shutter(const ShutterTask& task);
 
 // Returns true if a rolling shutter explains the footage better. The cost of the key frames must fall by more than
 // ln(dof) per effective parameter (Schwarz 1978). It must also fall by a quarter of the excess over noise. The readout

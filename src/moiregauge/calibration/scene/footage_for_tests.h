@@ -53,6 +53,9 @@ struct Recording {
   std::vector<double> height_mm{};       // one per marker; empty: all are in the plane
   // Tilts about the board's x and y axes, rad, one per marker. Empty: all prints are parallel to the plane.
   std::vector<Extent<frame::Board>> tilt{};
+  // Displacement of the last marker by time, mm, also while rows are read. Empty: that of the footage, the same in all
+  // rows of a frame.
+  std::function<Extent<frame::Board>(double)> target{};
   double noise = kNoise;  // pitches
 };
 
@@ -81,9 +84,11 @@ inline BundleFrame frame_of(const Recording& truth, double time_s, const std::ve
       const double x = (n % 3 - 1) * m.grating->width_mm / 3.0, y = (n / 3 - 1) * m.grating->height_mm / 3.0;
       const auto i = static_cast<std::size_t>(n);
       const Eigen::Vector3d point = tilted * Eigen::Vector3d(x, y, 0.0);
+      const bool is_last = k + 1 == truth.site.markers.size();
       const auto at = [&](double when) {
+        const auto there = truth.target && is_last ? truth.target(when) : moved[k];
         return View{seen_from(camera, truth.angles(when), height + point.z()),
-                    camera}(m.grating->centre + moved[k] + Extent<frame::Board>{point.x(), point.y()});
+                    camera}(m.grating->centre + there + Extent<frame::Board>{point.x(), point.y()});
       };
       fit.image[i] = at(time_s);
       // A point is read when the readout reaches the row in which it is then seen. Each step reduces the error by the
@@ -104,7 +109,7 @@ struct Footage {
   std::vector<Extent<frame::Board>> shift;  // target displacement by frame, mm
 };
 
-// Returns a second of footage. The last marker is a target and moves by 2 mm. `offset`: further displacement of each
+// Returns a second of footage. The last marker is a target and moves by 2 mm, or as the truth says. `offset`: further displacement of each
 // marker by frame, mm.
 inline Footage footage_of(const Recording& truth, int frames,
                           const std::function<Extent<frame::Board>(std::size_t, int)>& offset = {}) {
@@ -112,7 +117,7 @@ inline Footage footage_of(const Recording& truth, int frames,
   Footage run;
   for (int i = 0; i < frames; ++i) {
     const double s = double(i) / (frames - 1);
-    run.shift.push_back({0.3 * std::sin(7.0 * s), 2.0 * s});
+    run.shift.push_back(truth.target ? truth.target(s) : Extent<frame::Board>{0.3 * std::sin(7.0 * s), 2.0 * s});
     std::vector<Extent<frame::Board>> moved(truth.site.markers.size());
     moved.back() = run.shift.back();
     for (std::size_t k = 0; offset && k < moved.size(); ++k) moved[k] = moved[k] + offset(k, i);

@@ -60,7 +60,7 @@ class SceneSolver {
  public:
   SceneSolver(const Reference& reference, const FrameSeries& read, const ScenePrior& prior, const SolveOptions& options)
       : reference_(reference), site_(reference.site), read_(read), prior_(prior), options_(options) {
-    out_.frames = read;
+    use(read);
   }
 
   PreciseScene solved(bool lossy) {
@@ -91,6 +91,11 @@ class SceneSolver {
 
  private:
   [[nodiscard]] bool is_solved() const { return out_.calibration.bundle.scene.solved; }
+  // Takes frames as read, and removes the movements of targets that are known so far.
+  void use(const FrameSeries& frames) {
+    out_.with_movements = frames;
+    out_.frames = only_displaced(frames, out_.movements);
+  }
   [[nodiscard]] bool timed() const { return std::isfinite(reference_.seen.time_s); }
   void note(std::string line) { out_.notes.push_back(std::move(line)); }
 
@@ -102,7 +107,9 @@ class SceneSolver {
     if (given == 0.0 || (!given && is_solved() && !at_once.shutter.suggests_rolling_shutter)) return;
     if (!given && is_solved() && is_explained_by_a_reference()) return;
     if (given && !timed()) note("the rolling shutter is not corrected: the frames have no times. Give --fps");
-    Shutter shutter = solve_shutter(site_, out_.frames, key_of(out_.frames), prior_, timed() ? given : std::nullopt);
+    const FrameSeries read = out_.with_movements;
+    Shutter shutter =
+        solve_shutter({site_, read, key_of(read), prior_, timed() ? given : std::nullopt, out_.movements});
     if (given && !shutter.problem.empty()) note("the rolling shutter is not corrected: " + shutter.problem);
     if (!shutter.problem.empty() || (!given && !is_justified(shutter, at_once))) return;
     if (given && is_solved() && fits_worse(shutter.calibration.shutter, at_once.shutter))
@@ -111,6 +118,7 @@ class SceneSolver {
                       "Check --readout, or remove it",
                       1e3 * *given));
     out_.frames = shutter.frames;
+    out_.with_movements = shutter.with_movements;
     out_.calibration = std::move(shutter.calibration);
     out_.shutter = std::move(shutter);
   }
@@ -122,18 +130,16 @@ class SceneSolver {
     TargetMovements movements = find_movements(site_, scene, frames);
     exclude_heights_by_wrong_statements(movements);
     if (std::ranges::none_of(movements, &TargetMovement::moves)) return;
-    const FrameSeries with_movements = read_;
     const auto centres = rotation_centres(reference_, fit_frame(site_, scene, frames.front()));
     // The first scene is bent by the movements, and so is their removal.
     bool is_same = false;
     for (int round = 0; round < kMovementRounds && is_solved() && !is_same; ++round) {
       const Calibration before = out_.calibration;
       PreciseScene again;
-      again.with_movements = with_movements;
       again.movements =
           std::make_shared<const MovementRemoval>(site_, out_.calibration.bundle.scene, movements, centres);
-      again.frames = read_ = only_displaced(with_movements, again.movements);
       out_ = std::move(again);
+      use(read_);
       judged_ = false;
       at_once_.reset();
       solve();
@@ -172,12 +178,14 @@ class SceneSolver {
     if (judged_) return false;
     at_once_ = tested();
     if (!at_once_->moved) return false;
-    auto rest = out_.frames.without_marker(*at_once_->moved);
+    const std::size_t moved = *at_once_->moved;
+    auto rest = out_.frames.without_marker(moved);
     Calibration calibration = calibrate(site_, key_frames_of(rest), prior_);
     if (!calibration.bundle.scene.solved || calibration.shutter.suggests_rolling_shutter) return false;
     judged_ = out_.references_verified = true;
     out_.frames = std::move(rest);
-    out_.excluded = at_once_->moved;
+    out_.with_movements = out_.with_movements.without_marker(moved);
+    out_.excluded = moved;
     out_.calibration = std::move(calibration);
     return true;
   }
@@ -190,7 +198,7 @@ class SceneSolver {
     out_.references_verified = verdict.verified && !verdict.doubtful;
     if (verdict.doubtful) report_doubt(verdict);
     if (!verdict.moved) return;
-    out_.frames = read_.without_marker(*verdict.moved);
+    use(read_.without_marker(*verdict.moved));
     out_.excluded = verdict.moved;
     out_.shutter.reset();
     solve();
@@ -320,7 +328,7 @@ class SceneSolver {
 
   const Reference& reference_;
   const Site& site_;
-  FrameSeries read_;
+  const FrameSeries read_;
   const ScenePrior& prior_;
   const SolveOptions& options_;
   bool judged_ = false;                      // the references have been tested against each other

@@ -30,7 +30,7 @@ struct PreciseScene {
   // Frames without a moving reference and without the movements of targets beyond displacement, corrected to frame time.
   FrameSeries frames;
   std::shared_ptr<const MovementRemoval> movements;  // null if there are none
-  FrameSeries with_movements;                        // frames as read, if there are
+  FrameSeries with_movements;                        // `frames` before their removal
   std::optional<std::size_t> excluded;               // a reference that moves, not used in `frames`
   std::optional<Shutter> shutter;                    // solved rolling shutter
   SmearError smear;                                  // uneven movement within the exposures of `frames`

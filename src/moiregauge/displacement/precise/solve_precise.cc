@@ -47,7 +47,7 @@ double max_correction_mm(const Reference& reference, const Scene& scene, const F
   double most = 0.0;
   std::vector<BoardExtent> first, first_rolling;
   for (std::size_t k = 0; k < read.size(); ++k) {
-    const auto at_once = shifts(read[k]), rolling = shifts(shutter.frames[k]);
+    const auto at_once = shifts(read[k]), rolling = shifts(shutter.with_movements[k]);
     if (first.empty()) first = at_once, first_rolling = rolling;
     for (std::size_t i = 0; i < at_once.size(); ++i) {
       if (!is_target(reference, i)) continue;
@@ -135,9 +135,7 @@ Solution measured_in_scene(const Reference& reference, const Observations& obser
   solution.joint_errors = [kept, in_scene, &observations] {
     return in_scene(*kept).joint_errors(observations, kept->seen.place);
   };
-  if (scene.shutter)
-    report_shutter(solution, reference, *scene.shutter, only_displaced(run.read, scene.movements),
-                   options.readout_s.has_value());
+  if (scene.shutter) report_shutter(solution, reference, *scene.shutter, run.read, options.readout_s.has_value());
   return solution;
 }
 
