@@ -125,6 +125,22 @@ BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePr
 // follow a rolling shutter or a reference that creeps, and explain a little of it. Chosen.
 constexpr double kTiltsExplain = 0.25;
 
+// Returns true if prints are mounted like that: the sum of squares of all tilts, in u of their prior, is one of chance.
+// Tilts of 0.1 rad are another fault. A folded target gave its references such tilts towards the middle.
+bool are_plausible_tilts(const Site& site, const ScenePrior& prior, const Scene& scene) {
+  double squares = 0.0, tilts = 0.0;
+  for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    for (const int k : {MarkerShape::kTiltX, MarkerShape::kTiltY}) {
+      const auto at = static_cast<std::size_t>(k);
+      const double u = prior.u_markers[i].value[at];
+      if (!site.markers[i].grating || !(u > 0.0)) continue;
+      squares += std::pow((scene.markers[i].value[at] - prior.markers[i].value[at]) / u, 2);
+      tilts += 1.0;
+    }
+  }
+  return squares < chi2_upper_quantile(tilts);
+}
+
 // A model is not solved if its first step predicts less than this fraction of its BIC penalty. Chosen.
 constexpr double kMinPrediction = 0.25;
 
@@ -175,6 +191,7 @@ std::optional<BundleSolution> with_tilts(const Site& site, std::span<const Bundl
   const double gain = without.scene.penalised_cost - tilted.scene.penalised_cost;
   if (!is_sane(tilted.scene, side) || gain < due) return std::nullopt;
   if (!(share_of_excess(without.scene, tilted.scene) > kTiltsExplain)) return std::nullopt;
+  if (!are_plausible_tilts(site, prior, tilted.scene)) return std::nullopt;
   return with_shapes(bundle, site, prior, std::move(tilted), {penalty, selection});
 }
 

@@ -31,6 +31,9 @@ constexpr double kEdgePerOvershoot = 0.07;  // px per unit of overshoot
 // Rounds of scene and removal of movements, at most, and the relative change of a scene that ends them. Chosen.
 constexpr int kMovementRounds = 6;
 constexpr double kSameScene = 2e-3;
+// Largest relative u of f with which movements towards the camera are removed. They appear as displacements that are
+// proportional to the target's distance from the camera's foot on the board, and that distance follows from f. Chosen.
+constexpr double kKnownFocal = 0.1;
 constexpr double kRollingShare = 0.6;  // least share of chi2 that free rotation during readout removes; chosen
 
 // Returns the indices of the key frames, the reference frame first.
@@ -129,22 +132,44 @@ class SceneSolver {
     const auto frames = placed_in(scene);
     TargetMovements movements = find_movements(site_, scene, frames);
     exclude_heights_by_wrong_statements(movements);
+    if (!knows_focal_length()) exclude_heights(movements);
     if (std::ranges::none_of(movements, &TargetMovement::moves)) return;
     const auto centres = rotation_centres(reference_, fit_frame(site_, scene, frames.front()));
     // The first scene is bent by the movements, and so is their removal.
     bool is_same = false;
     for (int round = 0; round < kMovementRounds && is_solved() && !is_same; ++round) {
       const Calibration before = out_.calibration;
-      PreciseScene again;
+      solve_without(movements, centres);
+      is_same = is_same_scene(before, out_.calibration);
+      if (!std::ranges::any_of(movements, &TargetMovement::leaves_plane) || !is_solved() || knows_focal_length())
+        continue;
+      exclude_heights(movements);
+      is_same = false;
+    }
+  }
+
+  // `movements`: none may move. Then the frames are used as read.
+  void solve_without(const TargetMovements& movements, const std::vector<RotationCentre>& centres) {
+    PreciseScene again;
+    if (std::ranges::any_of(movements, &TargetMovement::moves))
       again.movements =
           std::make_shared<const MovementRemoval>(site_, out_.calibration.bundle.scene, movements, centres);
-      out_ = std::move(again);
-      use(read_);
-      judged_ = false;
-      at_once_.reset();
-      solve();
-      is_same = is_same_scene(before, out_.calibration);
-    }
+    out_ = std::move(again);
+    use(read_);
+    judged_ = false;
+    at_once_.reset();
+    solve();
+  }
+
+  [[nodiscard]] bool knows_focal_length() const {
+    const Calibration& c = out_.calibration;
+    const Scene& scene = c.bundle.scene;
+    const auto covariance = scene_covariance(site_, c.fits, c.prior, everything_with(scene.model));
+    return std::sqrt(covariance(0, 0)) < kKnownFocal * scene.camera.fx;
+  }
+
+  static void exclude_heights(TargetMovements& movements) {
+    for (TargetMovement& movement : movements) movement.prior(MovementAxis::kHeight) = 0.0;
   }
 
   // Returns the key frames with their poses in this scene. The pose from the prior's camera is too far from the solved
