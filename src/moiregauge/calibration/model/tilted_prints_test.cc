@@ -84,5 +84,14 @@ TEST(TiltedPrints, PrintsInOnePlaneHaveNone) {
   EXPECT_FALSE(scene.model.tilts) << scene.model.name() << ", seed " << test::kFootageSeed;
 }
 
+// Mounted by eye, tilts have a u of 0.05 rad. With 0.15 rad their sum of squares is 126 u^2 for 14 tilts, and chance
+// exceeds 36 once in a thousand sites. The residuals are then print error.
+TEST(TiltedPrints, LargerTiltsThanOfMountedPrintsAreAnotherFault) {
+  const Recording truth = mounted_with(0.15);
+  const Calibration calibration = solved_as_seen(truth, test::footage_of(truth, kFramesOfTilts));
+  EXPECT_FALSE(calibration.bundle.scene.model.tilts) << "seed " << test::kFootageSeed;
+  EXPECT_GT(calibration.print_error.points_mm, 0.0) << "seed " << test::kFootageSeed;
+}
+
 }  // namespace
 }  // namespace moiregauge::internal

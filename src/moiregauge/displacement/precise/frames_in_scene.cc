@@ -7,6 +7,8 @@
 #include <span>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "moiregauge/calibration/scene/frame_pose.h"
 #include "moiregauge/displacement/continuity.h"
 #include "moiregauge/displacement/precise/precise_status.h"
@@ -147,10 +149,12 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
   }
   auto notes = distrust_out_of_plane(site_, out_of_plane_rows, scatter, solution.samples);
   // Such a target bends the camera's pose, and the references may then seem to move.
-  if (!notes.empty())
-    solution.remedy =
-        "record from straight in front of the targets, with the references far apart, because a target "
-        "moves out of its plane";
+  if (!notes.empty()) {
+    solution.remedy = fmt::format(
+        "record from straight in front of the targets, with the references far apart{}, because a target moves out of "
+        "its plane",
+        reference_.knows_camera() ? "" : ", or calibrate the camera and give --camera");
+  }
   std::ranges::move(notes, std::back_inserter(solution.notes));
 }
 

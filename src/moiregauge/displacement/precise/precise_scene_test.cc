@@ -2,6 +2,8 @@
 #include "moiregauge/displacement/precise/precise_scene.h"
 
 #include <cmath>
+#include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -70,6 +72,43 @@ TEST(PreciseScene, TheDepthIncludesTheErrorAtTheEdgesOfItsGrating) {
   const double sharpened = u_edge_px(print);
   EXPECT_GE(2.0 * sharpened, expected);
   EXPECT_LE(2.0 * sharpened, 4.0 * expected);
+}
+
+// Footage in which the target comes nearer by 20 mm.
+FrameSeries approaching(Recording truth) {
+  constexpr int kApproachFrames = 24;
+  std::mt19937_64 rng(test::kFootageSeed);
+  std::vector<BundleFrame> frames;
+  truth.height_mm.assign(truth.site.markers.size(), 0.0);
+  for (int i = 0; i < kApproachFrames; ++i) {
+    const double s = i / (kApproachFrames - 1.0);
+    truth.height_mm.back() = 20.0 * s;
+    frames.push_back(frame_of(truth, s, std::vector<Extent<frame::Board>>(truth.site.markers.size()), rng));
+    frames.back().frame = i;
+  }
+  return test::series_of(frames);
+}
+
+bool removes_height(const Recording& truth) {
+  Reference reference;
+  reference.site = truth.site;
+  reference.view.ideal_from_board = test::seen_from(truth.camera, truth.angles(0.0));
+  reference.prints.resize(truth.site.markers.size());
+  const ScenePrior prior = scene_prior(truth.site, truth.camera.width, truth.camera.height, std::nullopt);
+  SolveOptions global_shutter;
+  global_shutter.readout_s = 0.0;
+  const PreciseScene solved = precise_scene(reference, approaching(truth), prior, global_shutter, false);
+  EXPECT_EQ(solved.problem, "");
+  return solved.movements && solved.movements->movement(truth.site.markers.size() - 1).leaves_plane();
+}
+
+// A height appears as a displacement in proportion to the distance from the camera's foot on the board. That distance
+// follows from the focal length, which a camera that does not move does not show.
+TEST(PreciseScene, AHeightIsRemovedOnlyWithAKnownFocalLength) {
+  Recording truth{.site = test::rig_of_six(), .camera = lens(-0.0225), .angles = swinging(4.0)};
+  EXPECT_TRUE(removes_height(truth)) << "seed " << test::kFootageSeed;
+  truth.angles = [](double) { return test::Angles{2.0, -1.0, 0.5}; };
+  EXPECT_FALSE(removes_height(truth)) << "seed " << test::kFootageSeed;
 }
 
 }  // namespace
