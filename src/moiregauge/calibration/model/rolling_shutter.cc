@@ -344,8 +344,8 @@ class RollingShutterSolver {
     out_.u_readout_s = std::hypot(1.0 / std::sqrt(information), kReadoutOfPath * out_.readout_s);
   }
 
-  // Returns the mean of what the frames' points show beyond the path. No camera moves so in every frame, so it is an error
-  // of the scene. A tilted print, for example, looks like a rotation that accelerates during each readout.
+  // Returns the mean of what the frames' points show beyond the path. No camera moves so in every frame, so it is an
+  // error of the scene. A tilted print, for example, looks like a rotation that accelerates during each readout.
   [[nodiscard]] Motion mean_motion() const {
     Motion sum = Motion::Zero();
     int frames = 0;

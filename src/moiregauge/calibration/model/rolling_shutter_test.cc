@@ -119,7 +119,8 @@ TEST(SolveShutter, TiltsOfPrintsAreNoMotionOfTheCamera) {
 }
 
 // A target swings by 5 mm at 2 Hz. A rolling shutter shears its print by up to 4 mrad, half of which looks like a
-// rotation. Its rotation has a prior of 0.1 mrad. Removed from frames as read, it would be missing where the shutter is solved.
+// rotation. Its rotation has a prior of 0.1 mrad. Removed from frames as read, it would be missing where the shutter is
+// solved.
 TEST(SolveShutter, MovementsAreRemovedAtFrameTime) {
   constexpr double kReadout = 0.020;  // s
   const Recording truth{.site = test::rig_of_six(),

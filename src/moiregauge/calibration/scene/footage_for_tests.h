@@ -109,8 +109,8 @@ struct Footage {
   std::vector<Extent<frame::Board>> shift;  // target displacement by frame, mm
 };
 
-// Returns a second of footage. The last marker is a target and moves by 2 mm, or as the truth says. `offset`: further displacement of each
-// marker by frame, mm.
+// Returns a second of footage. The last marker is a target and moves by 2 mm, or as the truth says.
+// `offset`: further displacement of each marker by frame, mm.
 inline Footage footage_of(const Recording& truth, int frames,
                           const std::function<Extent<frame::Board>(std::size_t, int)>& offset = {}) {
   std::mt19937_64 rng(kFootageSeed);

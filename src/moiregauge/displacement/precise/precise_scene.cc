@@ -137,13 +137,14 @@ class SceneSolver {
     const auto centres = rotation_centres(reference_, fit_frame(site_, scene, frames.front()));
     // The first scene is bent by the movements, and so is their removal.
     bool is_same = false;
-    for (int round = 0; round < kMovementRounds && is_solved() && !is_same; ++round) {
+    for (int rounds = kMovementRounds; rounds > 0 && is_solved() && !is_same; --rounds) {
       const Calibration before = out_.calibration;
       solve_without(movements, centres);
       is_same = is_same_scene(before, out_.calibration);
       if (!std::ranges::any_of(movements, &TargetMovement::leaves_plane) || !is_solved() || knows_focal_length())
         continue;
       exclude_heights(movements);
+      rounds = kMovementRounds;
       is_same = false;
     }
   }
