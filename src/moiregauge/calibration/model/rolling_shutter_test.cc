@@ -96,25 +96,28 @@ double worst_in_u(const Recording& truth, const Shutter& solved, const Footage& 
 }
 
 // To a camera that reads its rows one after another, prints with tilts look like a camera whose rotation accelerates
-// during every readout. A path that follows them absorbs the tilts, and displacements follow the path. The limit is four
-// u for 46 values.
+// during every readout. A camera that sways by only 0.1 deg before four references does not show its path well. A path
+// that follows the tilts then absorbs them, chi2 stays high, and displacements follow the path. The limit is four u for
+// 46 values.
 TEST(SolveShutter, TiltsOfPrintsAreNoMotionOfTheCamera) {
   constexpr double kReadout = 0.020;  // s
-  Recording truth{.site = test::rig_of_six(),
-                  .camera = lens(-0.0225),
-                  .angles = turning,
-                  .readout_s = kReadout,
-                  .target = [](double s) {
-                    return Extent<frame::Board>{0.3 * std::sin(7.0 * s), 2.0 * s};
-                  }};
+  constexpr double kSway_deg = 0.1;
+  Recording truth;
+  truth.camera = lens(-0.0225);
+  truth.readout_s = kReadout;
+  truth.angles = [](double s) {
+    return Angles{kSway_deg * s, kSway_deg * std::sin(9.0 * s), kSway_deg * std::sin(17.0 * s)};
+  };
+  truth.target = [](double s) { return Extent<frame::Board>{0.3 * std::sin(7.0 * s), 2.0 * s}; };
   std::mt19937_64 rng(kFootageSeed);
-  std::normal_distribution<double> tilt(0.0, 0.005);
+  std::normal_distribution<double> tilt(0.0, 0.004);
   for (std::size_t i = 0; i < truth.site.markers.size(); ++i) truth.tilt.push_back({tilt(rng), tilt(rng)});
   const Footage run = footage_of(truth, 24);
   const Shutter solved = solved_from(truth, run, kReadout);
   ASSERT_EQ(solved.problem, "");
   EXPECT_TRUE(solved.calibration.bundle.scene.model.tilts) << "seed " << kFootageSeed;
-  EXPECT_NEAR(solved.calibration.bundle.scene.chi2_dof, 1.0, 0.15) << "seed " << kFootageSeed;
+  // Before print error is allowed for.
+  EXPECT_NEAR(solved.calibration.shutter.chi2_dof, 1.0, 0.15) << "seed " << kFootageSeed;
   EXPECT_LT(worst_in_u(truth, solved, run), 4.0) << "seed " << kFootageSeed;
 }
 

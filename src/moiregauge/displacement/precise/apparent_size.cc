@@ -13,7 +13,7 @@ constexpr double kUnknownHeight = 0.01;  // limit of relative size: 12 mm at 1.2
 // Prior u of a grating's scale for this test. If the distance is then known to a quarter of the deviation, parallax
 // determines it.
 constexpr double kAnySize = 0.1;
-constexpr double kKnownDistance = 0.1;  // largest relative u of f for distances in mm; chosen
+constexpr double kKnownFocalLength = 0.1;  // largest relative u; chosen
 
 // Returns the board's distance along the camera's axis, mean of the key frames, mm.
 double mean_distance_mm(const Calibration& calibration) {
@@ -45,11 +45,6 @@ double height_u_mm(const Site& site, const Calibration& calibration, ScenePrior 
   return std::sqrt(covariance(row, row));
 }
 
-// Distances are as uncertain as the focal length.
-bool knows_distance(const Scene& scene) {
-  return std::sqrt(scene.stated_covariance()(0, 0)) <= kKnownDistance * scene.camera.fx;
-}
-
 std::string apparent_size_note(const Marker& marker, const SizeDeviation& a, double distance, bool knows_distance) {
   const bool is_larger = a.larger > 0.0;
   const double percent = 100.0 * std::abs(a.larger);
@@ -68,6 +63,10 @@ std::string apparent_size_note(const Marker& marker, const SizeDeviation& a, dou
 }
 
 }  // namespace
+
+bool knows_focal_length(const Scene& scene, const Eigen::MatrixXd& covariance) {
+  return std::sqrt(covariance(0, 0)) <= kKnownFocalLength * scene.camera.fx;
+}
 
 std::vector<SizeDeviation> size_deviations(const Site& site, const Calibration& calibration) {
   std::vector<SizeDeviation> found;
@@ -97,7 +96,8 @@ double depth_u_mm(const SizeDeviation& deviation) { return std::abs(deviation.ne
 std::vector<std::string> apparent_size_notes(const Site& site, const Calibration& calibration,
                                              std::span<const SizeDeviation> deviations) {
   std::vector<std::string> notes;
-  const bool knows = knows_distance(calibration.bundle.scene);
+  const Scene& scene = calibration.bundle.scene;
+  const bool knows = knows_focal_length(scene, scene.stated_covariance());
   for (const SizeDeviation& a : deviations)
     notes.push_back(apparent_size_note(site.markers[a.marker], a, mean_distance_mm(calibration), knows));
   return notes;

@@ -27,6 +27,11 @@ struct SizeDeviation {
 // the same chance it is wrong by all of nearer_mm, so the root of the mean square error is nearer / sqrt(2).
 [[nodiscard]] double depth_u_mm(const SizeDeviation& deviation);
 
+// Returns true if the standard uncertainty of the focal length is at most 10 % (chosen). Distances in mm are as uncertain,
+// and so is the camera's foot on the board.
+// `covariance`: of the scene with all parameters free.
+[[nodiscard]] bool knows_focal_length(const Scene& scene, const Eigen::MatrixXd& covariance);
+
 // Returns one line per deviation. Apparent size cannot separate pitch from distance, so the line states both as lengths.
 [[nodiscard]] std::vector<std::string> apparent_size_notes(const Site& site, const Calibration& calibration,
                                                            std::span<const SizeDeviation> deviations);

@@ -153,7 +153,7 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
     solution.remedy = fmt::format(
         "record from straight in front of the targets, with the references far apart{}, because a target moves out of "
         "its plane",
-        reference_.knows_camera() ? "" : ", or calibrate the camera and give --camera");
+        knows_focal_length(scene_, scene_.stated_covariance()) ? "" : ", or calibrate the camera and give --camera");
   }
   std::ranges::move(notes, std::back_inserter(solution.notes));
 }

@@ -31,9 +31,6 @@ constexpr double kEdgePerOvershoot = 0.07;  // px per unit of overshoot
 // Rounds of scene and removal of movements, at most, and the relative change of a scene that ends them. Chosen.
 constexpr int kMovementRounds = 6;
 constexpr double kSameScene = 2e-3;
-// Largest relative u of f with which movements towards the camera are removed. They appear as displacements that are
-// proportional to the target's distance from the camera's foot on the board, and that distance follows from f. Chosen.
-constexpr double kKnownFocal = 0.1;
 constexpr double kRollingShare = 0.6;  // least share of chi2 that free rotation during readout removes; chosen
 
 // Returns the indices of the key frames, the reference frame first.
@@ -131,8 +128,8 @@ class SceneSolver {
     const Scene& scene = out_.calibration.bundle.scene;
     const auto frames = placed_in(scene);
     TargetMovements movements = find_movements(site_, scene, frames);
+    exclude_undetermined_heights(movements);
     exclude_heights_by_wrong_statements(movements);
-    if (!knows_focal_length()) exclude_heights(movements);
     if (std::ranges::none_of(movements, &TargetMovement::moves)) return;
     const auto centres = rotation_centres(reference_, fit_frame(site_, scene, frames.front()));
     // The first scene is bent by the movements, and so is their removal.
@@ -141,15 +138,13 @@ class SceneSolver {
       const Calibration before = out_.calibration;
       solve_without(movements, centres);
       is_same = is_same_scene(before, out_.calibration);
-      if (!std::ranges::any_of(movements, &TargetMovement::leaves_plane) || !is_solved() || knows_focal_length())
-        continue;
-      exclude_heights(movements);
+      if (!is_solved() || !exclude_undetermined_heights(movements)) continue;
       rounds = kMovementRounds;
       is_same = false;
     }
   }
 
-  // `movements`: none may move. Then the frames are used as read.
+  // Solves from the frames as read, without these movements. There may be none.
   void solve_without(const TargetMovements& movements, const std::vector<RotationCentre>& centres) {
     PreciseScene again;
     if (std::ranges::any_of(movements, &TargetMovement::moves))
@@ -162,15 +157,15 @@ class SceneSolver {
     solve();
   }
 
-  [[nodiscard]] bool knows_focal_length() const {
+  // Excludes heights if the focal length is unknown, and returns true then. A height appears as a displacement in
+  // proportion to the target's distance from the camera's foot on the board, which follows from the focal length.
+  bool exclude_undetermined_heights(TargetMovements& movements) const {
+    if (std::ranges::none_of(movements, &TargetMovement::leaves_plane)) return false;
     const Calibration& c = out_.calibration;
     const Scene& scene = c.bundle.scene;
-    const auto covariance = scene_covariance(site_, c.fits, c.prior, everything_with(scene.model));
-    return std::sqrt(covariance(0, 0)) < kKnownFocal * scene.camera.fx;
-  }
-
-  static void exclude_heights(TargetMovements& movements) {
+    if (knows_focal_length(scene, scene_covariance(site_, c.fits, c.prior, everything_with(scene.model)))) return false;
     for (TargetMovement& movement : movements) movement.prior(MovementAxis::kHeight) = 0.0;
+    return true;
   }
 
   // Returns the key frames with their poses in this scene. The pose from the prior's camera is too far from the solved
