@@ -147,13 +147,14 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
       solution.samples.push_back(judged(sample));
     }
   }
-  auto notes = distrust_out_of_plane(site_, out_of_plane_rows, scatter, solution.samples);
+  const bool knows_f = knows_focal_length(scene_, scene_.stated_covariance());
+  auto notes = distrust_out_of_plane(site_, out_of_plane_rows, scatter, solution.samples, knows_f);
   // Such a target bends the camera's pose, and the references may then seem to move.
   if (!notes.empty()) {
     solution.remedy = fmt::format(
         "record from straight in front of the targets, with the references far apart{}, because a target moves out of "
         "its plane",
-        knows_focal_length(scene_, scene_.stated_covariance()) ? "" : ", or calibrate the camera and give --camera");
+        knows_f ? "" : ", or calibrate the camera and give --camera");
   }
   std::ranges::move(notes, std::back_inserter(solution.notes));
 }

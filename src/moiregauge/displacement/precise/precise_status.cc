@@ -37,13 +37,21 @@ Status quality_of(const Reference& reference, const MarkerObservation& seen, std
 double sure_among(std::size_t rows) { return std::sqrt(2.0 * std::log(static_cast<double>(rows) / kFalseAlarms)); }
 
 // The pose takes a part of the movement, so the height is a least value.
-std::string note_on(const std::string& name, const OutOfPlane& moved) {
+std::string note_on(const std::string& name, const OutOfPlane& moved, bool knows_focal_length) {
+  const char* direction = moved.height_mm > 0.0 ? "towards" : "away from";
+  if (!knows_focal_length)
+    return fmt::format(
+        "'{}' moves {} the camera. The focal length is not known to 10 %, so neither the length of this movement nor "
+        "the "
+        "displacement as which it appears is known. None of its rows is trusted. Remedy: calibrate the camera and give "
+        "--camera, or record from straight in front of '{}', with the references far apart",
+        name, direction, name);
   const double least_mm = std::max(0.0, std::abs(moved.height_mm) - kSurely * moved.u_mm);
   const double appears_mm = std::hypot(moved.apparent.x, moved.apparent.y) * least_mm / std::abs(moved.height_mm);
   return fmt::format(
       "'{}' moves {} the camera by at least {:.2g} mm, which appears as a displacement of at least {:.2g} mm. None of "
       "its rows is trusted. Remedy: record from straight in front of '{}', with the references far apart",
-      name, moved.height_mm > 0.0 ? "towards" : "away from", least_mm, appears_mm, name);
+      name, direction, least_mm, appears_mm, name);
 }
 
 }  // namespace
@@ -69,7 +77,8 @@ bool is_out_of_plane(const OutOfPlane& moved, const Sample& sample) {
 }
 
 std::vector<std::string> distrust_out_of_plane(const Site& site, std::span<const RowOutOfPlane> rows,
-                                               std::span<const HeightScatter> scatter, Samples& samples) {
+                                               std::span<const HeightScatter> scatter, Samples& samples,
+                                               bool knows_focal_length) {
   std::map<std::size_t, OutOfPlane> targets;  // largest movement
   const double sure = sure_among(samples.size());
   for (const RowOutOfPlane& row : rows) {
@@ -84,7 +93,8 @@ std::vector<std::string> distrust_out_of_plane(const Site& site, std::span<const
       sample.status = Status::kUntrusted;
   }
   std::vector<std::string> notes;
-  for (const auto& [marker, moved] : targets) notes.push_back(note_on(site.markers[marker].name, moved));
+  for (const auto& [marker, moved] : targets)
+    notes.push_back(note_on(site.markers[marker].name, moved, knows_focal_length));
   return notes;
 }
 

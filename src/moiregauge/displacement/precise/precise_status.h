@@ -40,6 +40,7 @@ struct RowOutOfPlane {
 // hides an unknown part. Returns one warning per such target.
 // `scatter`: of the heights of all rows, one per site marker.
 [[nodiscard]] std::vector<std::string> distrust_out_of_plane(const Site& site, std::span<const RowOutOfPlane> rows,
-                                                             std::span<const HeightScatter> scatter, Samples& samples);
+                                                             std::span<const HeightScatter> scatter, Samples& samples,
+                                                             bool knows_focal_length);
 
 }  // namespace moiregauge::internal
