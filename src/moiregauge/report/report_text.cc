@@ -14,8 +14,10 @@ namespace {
 
 constexpr std::size_t kMaxWorded = 3;  // largest number of peaks per target in the text (chosen)
 constexpr double kClock = 1e-5;        // smallest relative U of a frequency: camera clocks are no better
-constexpr double kStill_px = 0.05;     // image motion below which a camera counts as fixed in the text (chosen)
-constexpr double kWorthAWord = 0.1;    // smallest amplitude of a listed peak, relative to the strongest (chosen)
+// Motion of the image's middle and rotation below which a camera counts as fixed in the text. A camera that circles the
+// targets keeps the middle where it is. Chosen.
+constexpr double kStill_px = 0.05, kStill_deg = 0.5;
+constexpr double kWorthAWord = 0.1;  // smallest amplitude of a listed peak, relative to the strongest (chosen)
 
 // Movement of one target along one axis, of its `ok` rows.
 struct AxisMovement {
@@ -122,9 +124,14 @@ std::string sentence_of_camera(const WordedRun& run) {
   for (std::size_t n = 0; n < run.camera.shift_x_px.size(); ++n)
     shift = std::fmax(shift, std::hypot(run.camera.shift_x_px[n], run.camera.shift_y_px[n]));
   if (std::isnan(shift)) return "The camera's motion is unknown, because the references were not found.";
-  if (shift < kStill_px) return fmt::format("The camera moved the image by less than {} px.", kStill_px);
   for (std::size_t n = 0; n < run.camera.turn_x_deg.size(); ++n)
     turn = std::fmax(turn, std::hypot(run.camera.turn_x_deg[n], run.camera.turn_y_deg[n], run.camera.turn_z_deg[n]));
+  if (shift < kStill_px && turn > kStill_deg)
+    return fmt::format(
+        "The camera rotated by up to {:.2f}°, while the middle of the image moved by less than {} px. Both are removed "
+        "from all values.",
+        turn, kStill_px);
+  if (shift < kStill_px) return fmt::format("The camera moved the image by less than {} px.", kStill_px);
   if (std::isnan(turn))
     return fmt::format("The camera moved the image by up to {:.1f} px, which is removed from all values.", shift);
   return fmt::format(

@@ -68,6 +68,16 @@ TEST(ReportText, AMovementIsReportedWithItsInterval) {
   EXPECT_TRUE(words.advice.empty());
 }
 
+// A camera that circles the targets, aimed at their middle, is not fixed.
+TEST(ReportText, ACirclingCameraIsNotFixed) {
+  BridgeRun run;
+  run.camera.shift_x_px = {0.0, 0.01, 0.0, 0.02};
+  EXPECT_TRUE(
+      says(run.words().summary, "rotated by up to 1.00°, while the middle of the image moved by less than 0.05"));
+  run.camera.turn_x_deg = {0.0, 0.01, 0.0, 0.02};
+  EXPECT_TRUE(says(run.words().summary, "The camera moved the image by less than 0.05 px."));
+}
+
 // U has the coverage factor 2, and is that of run.json: rms over the measured rows, without the reference frame's u = 0.
 TEST(ReportText, TheUncertaintyIsThatOfTheTable) {
   BridgeRun run;
