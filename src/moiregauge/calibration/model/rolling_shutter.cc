@@ -34,10 +34,11 @@ constexpr double kSureReadout = 3.0;  // least readout time that counts, in u; c
 constexpr double kShortest = 0.01;  // least readout time: relative to the frame interval or 0.1 s, the smaller; chosen
 // Relative u from the splines. In simulated runs the error is a thousandth.
 constexpr double kReadoutOfPath = 0.002;
-// Round after which a search without gain ends, and the share of the first chi2/dof that then remains. A simulated
-// rolling shutter leaves less than a tenth after two rounds, a creeping reference nine tenths. Chosen.
+// Round after which a search without gain ends, and the share of the chi2/dof without readout that then remains. The
+// second share counts if the readout time is clear. A simulated rolling shutter leaves less than a tenth after two rounds. Two moving
+// references leave more than half, a creeping one nine tenths. Chosen.
 constexpr int kFairTrial = 2;
-constexpr double kNoGain = 0.75;
+constexpr double kNoGain = 0.5, kNoGainIfClear = 0.75;
 constexpr double kMaxWidening = 1e6;  // limit of the factor on the process noise; chosen
 
 // Frames corrected to frame time, one at a time.
@@ -108,6 +109,7 @@ class RollingShutterSolver {
         key_(task.key),
         prior_(task.prior),
         movements_(task.movements),
+        chi2_dof_at_once_(task.chi2_dof_at_once),
         is_given_(task.readout_s.has_value()),
         side_(side),
         known_to_(is_given_ ? kGivenReadout : kUsualWithin) {
@@ -136,7 +138,6 @@ class RollingShutterSolver {
     take_poses();
     bool is_last = false, tilts = false;
     int last = kReadoutRounds;
-    double first_chi2_dof = 0.0;
     for (int round = 0;; ++round) {
       is_last = is_last || round == last;
       follow_path();
@@ -150,8 +151,8 @@ class RollingShutterSolver {
           calibrate(site_, out_.frames.at(key_), prior_,
                     {.until = is_last ? Until::kConverged : Until::kChi2Converged, .tilts = is_last || tilts});
       if (!out_.calibration.bundle.scene.solved) return without(out_.calibration.bundle.scene.problem);
-      if (round == 0) first_chi2_dof = out_.calibration.shutter.chi2_dof;
-      if (is_stuck(round, first_chi2_dof)) return without("no readout time explains the frames");
+      if (round == 0 && !(chi2_dof_at_once_ > 0.0)) chi2_dof_at_once_ = out_.calibration.shutter.chi2_dof;
+      if (is_stuck(round)) return without("no readout time explains the frames");
       scene_ = out_.calibration.bundle.scene;
       fits_ = fits_of(out_.frames);
       take_poses();
@@ -174,12 +175,12 @@ class RollingShutterSolver {
     return std::move(out_);
   }
 
-  // Returns true if the search is stuck: the frames contradict the scene as in the first round, and the readout time is not
-  // clear. A creeping reference does this. Each round then costs twenty times as much.
-  [[nodiscard]] bool is_stuck(int round, double first_chi2_dof) const {
+  // Returns true if the search is stuck: the frames contradict the scene almost as without a readout time.
+  // References that move do this. Each round then costs twenty times as much.
+  [[nodiscard]] bool is_stuck(int round) const {
     const double chi2_dof = out_.calibration.shutter.chi2_dof;
-    return !is_given_ && round >= kFairTrial && !is_clear(out_) &&
-           chi2_dof > std::max(kScenesFit, kNoGain * first_chi2_dof);
+    const double share = is_clear(out_) ? kNoGainIfClear : kNoGain;
+    return !is_given_ && round >= kFairTrial && chi2_dof > std::max(kScenesFit, share * chi2_dof_at_once_);
   }
 
   // Stores the share of the readout time at which the middle of each grating is read.
@@ -387,6 +388,7 @@ class RollingShutterSolver {
   std::span<const std::size_t> key_;
   const ScenePrior& prior_;
   std::shared_ptr<const MovementRemoval> movements_;
+  double chi2_dof_at_once_;  // chi2/dof without a readout time; if not known, that of the first round
   bool is_given_;
   double side_, known_to_, expected_s_ = 0.0;
   std::vector<std::size_t> order_;  // frame indices by time

@@ -40,6 +40,8 @@ struct ShutterTask {
   // Removes the movements of targets beyond displacement at frame time: in frames as read, the rolling shutter shears
   // the gratings of targets like a movement. Null: the targets are only displaced.
   std::shared_ptr<const MovementRemoval> movements = nullptr;
+  // chi2/dof of the scene without a readout time. A search that leaves most of it ends soon. Zero if not known.
+  double chi2_dof_at_once = 0.0;
 };
 
 // Solves path, readout time and scene in turn, at most ten rounds and a last one to full convergence. A smoothing

@@ -23,11 +23,11 @@ using test::Angles, test::Footage, test::footage_of, test::kFootageSeed, test::l
 Angles turning(double s) { return {2.0 * s, std::sin(5.0 * s), std::sin(10.0 * s)}; }
 
 Shutter solved_from(const Recording& truth, const FrameSeries& frames, std::optional<double> given,
-                    std::shared_ptr<const MovementRemoval> movements = nullptr) {
+                    std::shared_ptr<const MovementRemoval> movements = nullptr, double chi2_dof_at_once = 0.0) {
   const ScenePrior prior = scene_prior(truth.site, truth.camera.width, truth.camera.height, std::nullopt);
   std::vector<std::size_t> key(frames.size());
   std::iota(key.begin(), key.end(), std::size_t{0});
-  return solve_shutter({truth.site, frames, key, prior, given, std::move(movements)});
+  return solve_shutter({truth.site, frames, key, prior, given, std::move(movements), chi2_dof_at_once});
 }
 
 Shutter solved_from(const Recording& truth, const Footage& run, std::optional<double> given) {
@@ -75,7 +75,8 @@ TEST(SolveShutter, ACreepingReferenceIsNoRollingShutter) {
   });
   const Calibration at_once =
       calibrate(truth.site, run.frames, scene_prior(truth.site, truth.camera.width, truth.camera.height, std::nullopt));
-  const Shutter solved = solved_from(truth, run, std::nullopt);
+  const Shutter solved =
+      solved_from(truth, test::series_of(run.frames), std::nullopt, nullptr, at_once.shutter.chi2_dof);
   EXPECT_FALSE(is_justified(solved, at_once))
       << "readout " << solved.readout_s << " s, u " << solved.u_readout_s << ", chi2/dof "
       << solved.calibration.shutter.chi2_dof << ", seed " << kFootageSeed;

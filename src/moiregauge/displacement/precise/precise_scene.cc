@@ -31,6 +31,11 @@ constexpr double kEdgePerOvershoot = 0.07;  // px per unit of overshoot
 // Rounds of scene and removal of movements, at most, and the relative change of a scene that ends them. Chosen.
 constexpr int kMovementRounds = 6;
 constexpr double kSameScene = 2e-3;
+// Share of the chi2/dof of a search without a result, below which another one is made. Chosen.
+constexpr double kWorthASearch = 0.5;
+// Excess of chi2/dof without a moving reference, relative to that with it, which still points to the reference. A rolling
+// shutter shows in all references. Chosen.
+constexpr double kRestOfExcess = 0.25;
 constexpr double kRollingShare = 0.6;  // least share of chi2 that free rotation during readout removes; chosen
 
 // Returns the indices of the key frames, the reference frame first.
@@ -105,13 +110,20 @@ class SceneSolver {
     const auto given = options_.readout_s;
     Calibration& at_once = out_.calibration = calibrate(site_, key_frames_of(out_.frames), prior_);
     if (given == 0.0 || (!given && is_solved() && !at_once.shutter.suggests_rolling_shutter)) return;
-    if (!given && is_solved() && is_explained_by_a_reference()) return;
+    if (!given && is_solved()) {
+      exclude_what_explains();
+      if (!at_once.shutter.suggests_rolling_shutter || !is_worth_a_search(at_once.shutter)) return;
+    }
     if (given && !timed()) note("the rolling shutter is not corrected: the frames have no times. Give --fps");
     const FrameSeries read = out_.with_movements;
-    Shutter shutter =
-        solve_shutter({site_, read, key_of(read), prior_, timed() ? given : std::nullopt, out_.movements});
+    const double at_once_chi2 = is_solved() ? at_once.shutter.chi2_dof : 0.0;
+    Shutter shutter = solve_shutter(
+        {site_, read, key_of(read), prior_, timed() ? given : std::nullopt, out_.movements, at_once_chi2});
     if (given && !shutter.problem.empty()) note("the rolling shutter is not corrected: " + shutter.problem);
-    if (!shutter.problem.empty() || (!given && !is_justified(shutter, at_once))) return;
+    if (!shutter.problem.empty() || (!given && !is_justified(shutter, at_once))) {
+      searched_chi2_dof_ = out_.calibration.shutter.chi2_dof;
+      return;
+    }
     if (given && is_solved() && fits_worse(shutter.calibration.shutter, at_once.shutter))
       note(
           fmt::format("displacements may be wrong: the frames fit worse with a readout time of {:.2f} ms than without. "
@@ -121,6 +133,12 @@ class SceneSolver {
     out_.with_movements = shutter.with_movements;
     out_.calibration = std::move(shutter.calibration);
     out_.shutter = std::move(shutter);
+  }
+
+  // Returns false if a search without a result must be expected to fail again, because the frames contradict the scene
+  // as much as then. A search takes many times as long as a scene.
+  [[nodiscard]] bool is_worth_a_search(const ShutterTest& now) const {
+    return !searched_chi2_dof_ || now.chi2_dof < kWorthASearch * *searched_chi2_dof_;
   }
 
   // Solves again without the movements of targets beyond displacement, if any target rotates or leaves its plane.
@@ -193,22 +211,23 @@ class SceneSolver {
     }
   }
 
-  // Returns true if a slipped reference explains the suggested rolling shutter: without it none is suggested. This test
-  // runs first because the rounds of the rolling shutter cost several times as much, and a path can imitate a slip.
-  bool is_explained_by_a_reference() {
-    if (judged_) return false;
+  // Excludes a reference that moves if this explains what suggests a rolling shutter, or most of it. This test runs first
+  // because the rounds of the rolling shutter cost several times as much, and a path can imitate a slip.
+  void exclude_what_explains() {
+    if (judged_) return;
     at_once_ = tested();
-    if (!at_once_->moved) return false;
+    if (!at_once_->moved) return;
     const std::size_t moved = *at_once_->moved;
     auto rest = out_.frames.without_marker(moved);
     Calibration calibration = calibrate(site_, key_frames_of(rest), prior_);
-    if (!calibration.bundle.scene.solved || calibration.shutter.suggests_rolling_shutter) return false;
+    const ShutterTest &with = out_.calibration.shutter, &without = calibration.shutter;
+    if (!calibration.bundle.scene.solved) return;
+    if (without.suggests_rolling_shutter && without.chi2_dof - 1.0 > kRestOfExcess * (with.chi2_dof - 1.0)) return;
     judged_ = out_.references_verified = true;
     out_.frames = std::move(rest);
     out_.with_movements = out_.with_movements.without_marker(moved);
     out_.excluded = moved;
     out_.calibration = std::move(calibration);
-    return true;
   }
 
   // Tests the references and excludes one that moves. The scene is then solved again from the frames as read, because
@@ -354,6 +373,7 @@ class SceneSolver {
   const SolveOptions& options_;
   bool judged_ = false;                      // the references have been tested against each other
   std::optional<ReferenceVerdict> at_once_;  // result for the frames as read
+  std::optional<double> searched_chi2_dof_;  // before the last search for a rolling shutter, if it had no result
   PreciseScene out_;
 };
 
