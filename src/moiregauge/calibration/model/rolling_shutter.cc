@@ -31,6 +31,9 @@ constexpr double kMovedReadout = 3.0;
 // this prior determines it. Chosen.
 constexpr double kUsual = 0.018, kUsualWithin = 0.5;
 constexpr double kSureReadout = 3.0;  // least readout time that counts, in u; chosen
+// Readout time, in u, and share of the chi2/dof without readout. Beyond the first and below the second no other start is
+// tried, although errors of the scene remain, for example tilts of the prints. Chosen.
+constexpr double kVerySureReadout = 30.0, kNearlyAll = 0.1;
 constexpr double kShortest = 0.01;  // least readout time: relative to the frame interval or 0.1 s, the smaller; chosen
 // Relative u from the splines. In simulated runs the error is a thousandth.
 constexpr double kReadoutOfPath = 0.002;
@@ -407,9 +410,13 @@ double chi2_of(const ShutterTest& t) { return t.chi2_dof * static_cast<double>(t
 
 double cost_of(const Shutter& s) { return chi2_of(s.calibration.shutter) + s.motion_cost; }
 
-// Returns true if the frames fit with a clear readout time.
-bool is_convincing(const Shutter& s) {
-  return s.problem.empty() && is_clear(s) && s.calibration.shutter.chi2_dof < kScenesFit;
+// Returns true if no other start needs to be tried. Then the frames fit with a clear readout time, or a very clear one
+// explains nearly all that noise does not.
+bool is_convincing(const Shutter& s, double chi2_dof_at_once) {
+  if (!s.problem.empty() || !is_clear(s)) return false;
+  const double chi2_dof = s.calibration.shutter.chi2_dof;
+  const bool is_very_clear = std::abs(s.readout_s) > kVerySureReadout * s.u_readout_s;
+  return chi2_dof < kScenesFit || (is_very_clear && chi2_dof < kNearlyAll * chi2_dof_at_once);
 }
 
 // Returns true if the search ended at the shortest readout time, and noise explains the frames and their motion. Another
@@ -433,10 +440,10 @@ Shutter solve_shutter(const ShutterTask& task) {
   // The scene that the expected readout time gives can be far off if the true one is much shorter.
   constexpr double kStarts[] = {1.0 / 3.0, 1.0 / 9.0};  // relative to the expected readout time; chosen
   for (const double start : kStarts) {
-    if (is_convincing(down)) break;
+    if (is_convincing(down, task.chi2_dof_at_once)) break;
     if (Shutter one = solved(1.0, start); is_better(one, down)) down = std::move(one);
   }
-  if (is_convincing(down)) return down;
+  if (is_convincing(down, task.chi2_dof_at_once)) return down;
   Shutter up = solved(-1.0, 1.0);
   // Fall of the cost that the opposite direction needs: about the evidence of one frame. Sensors are rarely upside
   // down. Chosen.
