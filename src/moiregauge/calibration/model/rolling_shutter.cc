@@ -38,8 +38,8 @@ constexpr double kShortest = 0.01;  // least readout time: relative to the frame
 // Relative u from the splines. In simulated runs the error is a thousandth.
 constexpr double kReadoutOfPath = 0.002;
 // Round after which a search without gain ends, and the share of the chi2/dof without readout that then remains. The
-// second share counts if the readout time is clear. A simulated rolling shutter leaves less than a tenth after two rounds. Two moving
-// references leave more than half, a creeping one nine tenths. Chosen.
+// second share counts if the readout time is clear. A simulated rolling shutter leaves less than a tenth after two
+// rounds. Two moving references leave more than half, a creeping one nine tenths. Chosen.
 constexpr int kFairTrial = 2;
 constexpr double kNoGain = 0.5, kNoGainIfClear = 0.75;
 constexpr double kMaxWidening = 1e6;  // limit of the factor on the process noise; chosen
@@ -178,8 +178,8 @@ class RollingShutterSolver {
     return std::move(out_);
   }
 
-  // Returns true if the search is stuck: the frames contradict the scene almost as without a readout time.
-  // References that move do this. Each round then costs twenty times as much.
+  // Returns true if the search is stuck: the frames contradict the scene almost as without a readout time. References
+  // that move do this. Each round then costs twenty times as much.
   [[nodiscard]] bool is_stuck(int round) const {
     const double chi2_dof = out_.calibration.shutter.chi2_dof;
     const double share = is_clear(out_) ? kNoGainIfClear : kNoGain;
