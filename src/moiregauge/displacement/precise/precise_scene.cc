@@ -111,7 +111,7 @@ class SceneSolver {
     Calibration& at_once = out_.calibration = calibrate(site_, key_frames_of(out_.frames), prior_);
     if (given == 0.0 || (!given && is_solved() && !at_once.shutter.suggests_rolling_shutter)) return;
     if (!given && is_solved()) {
-      exclude_what_explains();
+      exclude_explaining_reference();
       if (!at_once.shutter.suggests_rolling_shutter || !is_worth_a_search(at_once.shutter)) return;
     }
     if (given && !timed()) note("the rolling shutter is not corrected: the frames have no times. Give --fps");
@@ -213,7 +213,7 @@ class SceneSolver {
 
   // Excludes a reference that moves if this explains what suggests a rolling shutter, or most of it. This test runs first
   // because the rounds of the rolling shutter cost several times as much, and a path can imitate a slip.
-  void exclude_what_explains() {
+  void exclude_explaining_reference() {
     if (judged_) return;
     at_once_ = tested();
     if (!at_once_->moved) return;

@@ -42,9 +42,8 @@ std::string note_on(const std::string& name, const OutOfPlane& moved, bool knows
   if (!knows_focal_length)
     return fmt::format(
         "'{}' moves {} the camera. The focal length is not known to 10 %, so neither the length of this movement nor "
-        "the "
-        "displacement as which it appears is known. None of its rows is trusted. Remedy: calibrate the camera and give "
-        "--camera, or record from straight in front of '{}', with the references far apart",
+        "the displacement as which it appears is known. None of its rows is trusted. Remedy: calibrate the camera and "
+        "give --camera, or record from straight in front of '{}', with the references far apart",
         name, direction, name);
   const double least_mm = std::max(0.0, std::abs(moved.height_mm) - kSurely * moved.u_mm);
   const double appears_mm = std::hypot(moved.apparent.x, moved.apparent.y) * least_mm / std::abs(moved.height_mm);
