@@ -33,9 +33,7 @@ constexpr double kIndependentMoving = 0.96;
 constexpr double kIndependentMovingLossy = 0.85;
 constexpr double kSureOfGrain = 3.0;   // distance of the ratio from 1 that proves averaging, in u
 constexpr double kMinValues = 1000.0;  // u of the grain ratio is 0.045 then
-// Smallest share of the previous frame that matters: the lag of a target is that share of its movement per frame.
-constexpr double kEcho = 0.03;
-// The same by noise, where structure beyond the terms adds to it. Chosen from recordings that move by 0.6 px per frame in
+// Smallest share by noise that proves averaging, where structure beyond the terms adds to it. Chosen from recordings that move by 0.6 px per frame in
 // one direction. Fifteen without an echo had 0.0095 in the mean with a scatter of 0.0125. Four with a share of 0.1 had
 // 0.052 to 0.097.
 constexpr double kEchoByNoise = 0.04;
@@ -243,7 +241,7 @@ std::optional<EchoShare> echo_share(const EchoSums& echo, bool is_lossy) {
     return by.share > std::max(least, sure * by.u) ? by : EchoShare{};
   };
   const EchoShare by =
-      std::max({significant(kEcho, share_by_edges(echo)), significant(kEchoByNoise, share_by_noise(echo)),
+      std::max({significant(kLeastEcho, share_by_edges(echo)), significant(kEchoByNoise, share_by_noise(echo)),
                 significant(kEchoByNoise, share_by_both(echo))},
                [](const EchoShare& a, const EchoShare& b) { return a.share < b.share; });
   return by.share > 0.0 ? std::optional(by) : std::nullopt;

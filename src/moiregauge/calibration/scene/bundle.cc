@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "moiregauge/calibration/scene/bundle_normal.h"
+#include "moiregauge/calibration/scene/frame_steps.h"
 #include "moiregauge/calibration/scene/free_parameters.h"
 
 namespace moiregauge::internal {
@@ -89,7 +90,7 @@ struct Bundle::Footage {
 
   // Refits every frame to the scene and keeps the result if it is better.
   [[nodiscard]] Minimum settled(Minimum m, std::span<const SceneParameter> free) const {
-    auto state = BundleNormal(patches, free, m.state).step_of_frames();
+    auto state = step_of_frames(patches, m.state);
     if (!state) return m;
     Minimum after = valued(*std::move(state), free);
     return after.cost() < m.cost() ? after : m;

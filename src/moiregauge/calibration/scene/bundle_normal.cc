@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "moiregauge/calibration/scene/small_products.h"
+
 namespace moiregauge::internal {
 namespace {
 
@@ -18,18 +20,11 @@ constexpr int kAtOnce = PatchColumn::kColumns;  // columns without those of the 
 template <int kMotion>
 using ShiftRows = Eigen::Matrix<double, 2, kAtOnce + kMotion>;
 
-// Least information of a shift axis, 1/mm^2. It keeps an axis that the grating does not show in place, with u = 1e4 mm
-// as in fit_frame.
-constexpr double kMinInformation = 1e-8;
-
-// Weight of a patch: the slope of Huber's loss at its chi2.
-double weight(double chi2) { return chi2 <= kRobustFrom * kRobustFrom ? 1.0 : kRobustFrom / std::sqrt(chi2); }
-
 template <int kSize>
 Eigen::Matrix<double, 2, kSize> shift_rows(const Eigen::Matrix<double, kSize, kSize>& n, double damping) {
   Matrix2 own = n.template block<2, 2>(kPlace, kPlace);
   own.diagonal() *= 1.0 + damping;
-  own.diagonal().array() += kMinInformation;
+  own.diagonal().array() += kLeastShiftInformation;
   return own.llt().solve(n.template middleRows<2>(kPlace));
 }
 
@@ -57,6 +52,8 @@ int power_of_f(int index) {
 double robust(double chi2) {
   return chi2 <= kRobustFrom * kRobustFrom ? chi2 : kRobustFrom * (2.0 * std::sqrt(chi2) - kRobustFrom);
 }
+
+double robust_weight(double chi2) { return chi2 <= kRobustFrom * kRobustFrom ? 1.0 : kRobustFrom / std::sqrt(chi2); }
 
 double& parameter(BundleState& state, int index) {
   if (index < kCommonParameters) return state.common[static_cast<std::size_t>(index)];
@@ -101,14 +98,13 @@ BundleNormal::BundleNormal(std::span<const BundlePatch> patches, std::span<const
     auto design = patch.residual.design(at.common, at.markers[patch.marker], *pose,
                                         patch.shifts ? at.shifts[patch.frame][patch.marker] : Extent<frame::Board>{});
     if (patch.rows) design.col(PatchColumn::kResidual) += patch.rows->by_motion * at.motions[patch.frame];
-    normal_[p].noalias() = design.transpose() * design;
-    const double counts = weight(normal_[p](PatchColumn::kResidual, PatchColumn::kResidual));
+    normal_[p] = normal_matrix(design);
+    const double counts = robust_weight(normal_[p](PatchColumn::kResidual, PatchColumn::kResidual));
     normal_[p] *= counts;
     if (!patch.rows) continue;
     of_motion_.resize(patches.size());
-    of_motion_[p].leftCols<kAtOnce>().noalias() = counts * (patch.rows->by_motion.transpose() * design);
-    of_motion_[p].rightCols<kMotionParameters>().noalias() =
-        counts * (patch.rows->by_motion.transpose() * patch.rows->by_motion);
+    of_motion_[p].leftCols<kAtOnce>() = counts * product_of_columns(patch.rows->by_motion, design);
+    of_motion_[p].rightCols<kMotionParameters>() = counts * normal_matrix(patch.rows->by_motion);
   }
 }
 
@@ -136,11 +132,11 @@ int BundleNormal::place_of(std::size_t marker, int k) const {
   return places_[static_cast<std::size_t>(column(marker, k))];
 }
 
-// Eliminates one frame's pose, shifts and motion. Adds the remainder to the lower triangle of `scene`, unless it is null.
-// Its rows are the free parameters, and the last is the right-hand side.
+// Eliminates one frame's pose, shifts and motion. Adds the remainder to the lower triangle of `scene`. Its rows are the
+// free parameters, and the last is the right-hand side.
 template <int kMotion>
 BundleNormal::Frame<kMotion> BundleNormal::eliminated(std::size_t first, std::size_t end, double damping,
-                                                      Eigen::MatrixXd* scene) const {
+                                                      Eigen::MatrixXd& scene) const {
   constexpr int kOwn = 6 + kMotion;
   const Eigen::Index size = this->size();
   Frame<kMotion> out;
@@ -171,8 +167,8 @@ BundleNormal::Frame<kMotion> BundleNormal::eliminated(std::size_t first, std::si
       across.col(place(a)).template head<6>() += n.template block<6, 1>(PatchColumn::kPose, from(a));
       if constexpr (kMotion > 0)
         across.col(place(a)).template tail<kMotion>() += n.template bottomRows<kMotion>().col(from(a));
-      for (int b = 0; scene != nullptr && b <= kSceneColumns; ++b) {
-        if (place(b) >= place(a)) (*scene)(place(b), place(a)) += n(from(b), from(a));
+      for (int b = 0; b <= kSceneColumns; ++b) {
+        if (place(b) >= place(a)) scene(place(b), place(a)) += n(from(b), from(a));
       }
     }
   }
@@ -185,8 +181,7 @@ BundleNormal::Frame<kMotion> BundleNormal::eliminated(std::size_t first, std::si
   const Eigen::LLT<Eigen::Matrix<double, kOwn, kOwn>> llt(own);
   out.ok = llt.info() == Eigen::Success;
   out.rows = llt.solve(across);
-  if (scene != nullptr)
-    scene->selfadjointView<Eigen::Lower>().rankUpdate(llt.matrixL().solve(across).transpose(), -1.0);
+  scene.selfadjointView<Eigen::Lower>().rankUpdate(llt.matrixL().solve(across).transpose(), -1.0);
   return out;
 }
 
@@ -233,7 +228,7 @@ double BundleNormal::substituted(std::size_t first, std::size_t end, const Frame
 }
 
 BundleNormal::Eliminated BundleNormal::frame_eliminated(std::size_t first, double damping,
-                                                        Eigen::MatrixXd* scene) const {
+                                                        Eigen::MatrixXd& scene) const {
   const std::size_t end = end_of_frame(first);
   if (patches_[first].rows) return {std::nullopt, eliminated<kMotionParameters>(first, end, damping, scene)};
   return {eliminated<0>(first, end, damping, scene), std::nullopt};
@@ -248,17 +243,6 @@ double BundleNormal::frame_substituted(std::size_t first, const Eliminated& fram
 
 Eigen::Index BundleNormal::size() const { return static_cast<Eigen::Index>(free_.size()) + 1; }
 
-std::optional<BundleState> BundleNormal::step_of_frames() const {
-  BundleState to = at_;
-  const Eigen::VectorXd held = Eigen::VectorXd::Unit(size(), size() - 1);
-  for (std::size_t first = 0; first < patches_.size(); first = end_of_frame(first)) {
-    const Eliminated frame = frame_eliminated(first, 0.0, nullptr);
-    if (!frame.ok()) return std::nullopt;
-    (void)frame_substituted(first, frame, held, to);
-  }
-  return to;
-}
-
 std::optional<BundleNormal::Step> BundleNormal::step(double damping) const {
   const Eigen::Index size = this->size();
   Eigen::MatrixXd scene = Eigen::MatrixXd::Zero(size, size);
@@ -271,7 +255,7 @@ std::optional<BundleNormal::Step> BundleNormal::step(double damping) const {
   }
   std::vector<Eliminated> frames;
   for (std::size_t first = 0; first < patches_.size(); first = end_of_frame(first)) {
-    frames.push_back(frame_eliminated(first, damping, &scene));
+    frames.push_back(frame_eliminated(first, damping, scene));
     if (!frames.back().ok()) return std::nullopt;
   }
   Step out{at_, 0.0};

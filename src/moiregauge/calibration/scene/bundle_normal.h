@@ -47,6 +47,12 @@ struct SceneParameter {
 // distance instead of its square. Chosen.
 inline constexpr double kRobustFrom = 10.0;
 [[nodiscard]] double robust(double chi2);
+// Returns the weight of a grating: the slope of that loss.
+[[nodiscard]] double robust_weight(double chi2);
+
+// Least information of a shift axis, 1/mm^2. It keeps an axis that the grating does not show in place, with u = 1e4 mm
+// as in fit_frame.
+inline constexpr double kLeastShiftInformation = 1e-8;
 
 [[nodiscard]] double& parameter(BundleState& state, int index);
 
@@ -62,8 +68,6 @@ class BundleNormal {
   // Returns the damped Gauss-Newton step. `damping` is relative to the diagonal (Marquardt 1963).
   // Fails (nothing): the damped system is not positive definite.
   [[nodiscard]] std::optional<Step> step(double damping) const;
-  // Returns every frame's own undamped step, with the scene fixed. Fails as `step` does.
-  [[nodiscard]] std::optional<BundleState> step_of_frames() const;
 
  private:
   // Columns of the design matrix, then those of the motion.
@@ -76,11 +80,11 @@ class BundleNormal {
   [[nodiscard]] PatchNormal<kMotion> normal_of(std::size_t patch) const;
   template <int kMotion>
   [[nodiscard]] Frame<kMotion> eliminated(std::size_t first, std::size_t end, double damping,
-                                          Eigen::MatrixXd* scene) const;
+                                          Eigen::MatrixXd& scene) const;
   template <int kMotion>
   [[nodiscard]] double substituted(std::size_t first, std::size_t end, const Frame<kMotion>& frame,
                                    const Eigen::VectorXd& moved, BundleState& to) const;
-  [[nodiscard]] Eliminated frame_eliminated(std::size_t first, double damping, Eigen::MatrixXd* scene) const;
+  [[nodiscard]] Eliminated frame_eliminated(std::size_t first, double damping, Eigen::MatrixXd& scene) const;
   [[nodiscard]] double frame_substituted(std::size_t first, const Eliminated& frame, const Eigen::VectorXd& moved,
                                          BundleState& to) const;
   [[nodiscard]] Eigen::Index size() const;  // number of free parameters, plus one for the right-hand side

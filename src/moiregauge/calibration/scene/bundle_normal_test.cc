@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/calibration/scene/bundle_normal.h"
 
+#include <cmath>
+#include <memory>
 #include <random>
 
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
+
+#include "moiregauge/calibration/scene/frame_steps.h"
+#include "moiregauge/calibration/scene/small_products.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -127,6 +132,55 @@ TEST(BundleNormal, AStepGainsWhatItPredicts) {
   const double gained = cost(at) - cost(step->to);
   EXPECT_GT(gained, 10.0);
   EXPECT_NEAR(gained, step->gain, 0.05 * gained);
+}
+
+// Poses and shifts of two states differ by rounding only: by 1e-9 of the step from `at`.
+void expect_alike(const BundleState& at, const BundleState& a, const BundleState& b) {
+  for (std::size_t k = 0; k < kFrames; ++k) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(a.poses[k].turn[i], b.poses[k].turn[i], 1e-9);
+      EXPECT_NEAR(a.poses[k].shift[i], b.poses[k].shift[i], 1e-9 * (1.0 + std::abs(at.poses[k].shift[i])));
+    }
+    EXPECT_NEAR(a.shifts[k].back().x, b.shifts[k].back().x, 1e-9);
+    EXPECT_NEAR(a.shifts[k].back().y, b.shifts[k].back().y, 1e-9);
+    if (!a.motions.empty()) {
+      EXPECT_LT((a.motions[k] - b.motions[k]).norm(), 1e-9);
+    }
+    EXPECT_NE(a.poses[k].shift[2], at.poses[k].shift[2]);
+  }
+}
+
+TEST(BundleNormal, FramesWithAFixedSceneStepAsInAllUnknowns) {
+  NormalCase f = footage();
+  const auto together = BundleNormal(f.patches, {}, f.at).step(0.0);
+  const auto alone = step_of_frames(f.patches, f.at);
+  ASSERT_TRUE(together && alone);
+  expect_alike(f.at, together->to, *alone);
+}
+
+TEST(BundleNormal, RollingFramesWithAFixedSceneStepAsInAllUnknowns) {
+  NormalCase f = footage();
+  std::mt19937_64 rng(12);
+  std::normal_distribution<double> normal;
+  for (BundlePatch& patch : f.patches) {
+    BundlePatch::Rows rows;
+    rows.by_motion = rows.by_motion.NullaryExpr([&] { return normal(rng); });
+    rows.information.setIdentity();
+    patch.rows = std::make_shared<const BundlePatch::Rows>(rows);
+  }
+  f.at.motions.assign(kFrames, Motion::Constant(0.1));
+  const auto together = BundleNormal(f.patches, {}, f.at).step(0.0);
+  const auto alone = step_of_frames(f.patches, f.at);
+  ASSERT_TRUE(together && alone);
+  expect_alike(f.at, together->to, *alone);
+}
+
+TEST(SmallProducts, AreThoseOfEigen) {
+  const Eigen::Matrix<double, 18, 23> a = Eigen::Matrix<double, 18, 23>::Random();
+  const Eigen::Matrix<double, 18, 12> b = Eigen::Matrix<double, 18, 12>::Random();
+  // 18 products of at most 1 each round by 2e-16.
+  EXPECT_LT((normal_matrix(a) - a.transpose() * a).cwiseAbs().maxCoeff(), 1e-14);
+  EXPECT_LT((product_of_columns(a, b) - a.transpose() * b).cwiseAbs().maxCoeff(), 1e-14);
 }
 
 }  // namespace

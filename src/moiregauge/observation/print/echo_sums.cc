@@ -18,6 +18,9 @@ constexpr double kAlikeError = 0.02;  // frames of a smaller u weigh alike, so t
 // A test is decided when u is far below the smallest share that matters. Chosen.
 constexpr double kDecidedByEdges = 0.003, kDecidedByNoise = 0.008;
 constexpr double kDecidingFrames = 12.0;
+// Distance in u from the smallest share that matters at which there is certainly no echo. It is tested after each frame:
+// over 400 frames a share of that size would end the work once in a hundred recordings at most. Chosen.
+constexpr double kSureOfNone = 4.0;
 
 // Largest structure in relation to the noise, as a standard deviation of beta: both have the same variance. Chosen.
 constexpr double kStructure = 1.0;
@@ -217,8 +220,9 @@ EchoShare share_of_both_sides(const std::vector<double>& shares) {
 }
 
 bool is_decided(const EchoSums& sums) {
-  return (frames_of(sums) >= kDecidingFrames && share_by_edges(sums).u < kDecidedByEdges) ||
-         fit_noise(sums).u < kDecidedByNoise;
+  const EchoShare edges = share_by_edges(sums);
+  const bool is_known = edges.u < kDecidedByEdges || edges.share + kSureOfNone * edges.u < kLeastEcho;
+  return (frames_of(sums) >= kDecidingFrames && is_known) || fit_noise(sums).u < kDecidedByNoise;
 }
 
 }  // namespace moiregauge::internal

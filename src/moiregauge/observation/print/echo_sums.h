@@ -100,7 +100,9 @@ void add_products(std::size_t marker, const std::vector<NoiseProduct>& products,
 // Returns the mean of the shares of both sides, one per frame. u is infinite for fewer than five frames.
 [[nodiscard]] EchoShare share_of_both_sides(const std::vector<double>& shares);
 
-// Returns true if further frames change nothing.
+// Smallest share of the previous frame that matters: the lag of a target is that share of its movement per frame.
+inline constexpr double kLeastEcho = 0.03;
+// Returns true if further frames change nothing: u is small, or the share by the edges is certainly below kLeastEcho.
 [[nodiscard]] bool is_decided(const EchoSums& sums);
 
 }  // namespace moiregauge::internal
