@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "moiregauge/calibration/scene/bundle_normal.h"
 #include "moiregauge/calibration/scene/frame_steps.h"
@@ -80,7 +81,11 @@ struct Bundle::Footage {
 
   [[nodiscard]] Minimum valued(BundleState state, std::span<const SceneParameter> free) const {
     Minimum m{std::move(state)};
-    for (const BundlePatch& p : patches) m.data += robust(p.chi2(m.state));
+    std::optional<TurnedPose> pose;
+    for (std::size_t p = 0; p < patches.size(); ++p) {
+      if (p == 0 || patches[p].frame != patches[p - 1].frame) pose.emplace(m.state.poses[patches[p].frame]);
+      m.data += robust(patches[p].chi2(m.state, *pose));
+    }
     for (std::size_t k = 0; k < frames.size(); ++k) {
       if (frames[k].rows) m.prior += m.state.motions[k].dot(frames[k].rows->information * m.state.motions[k]);
     }

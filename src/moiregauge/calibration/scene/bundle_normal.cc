@@ -61,12 +61,11 @@ double& parameter(BundleState& state, int index) {
   return state.markers[k / kShapeParameters].value[k % kShapeParameters];
 }
 
-double BundlePatch::chi2(const BundleState& at) const {
+double BundlePatch::chi2(const BundleState& at, const TurnedPose& pose) const {
   const auto shift = shifts ? at.shifts[frame][marker] : Extent<frame::Board>{};
-  if (!rows) return residual.chi2(at.common, at.markers[marker], at.poses[frame], shift);
-  return (residual.residual(at.common, at.markers[marker], at.poses[frame], shift) +
-          rows->by_motion * at.motions[frame])
-      .squaredNorm();
+  PatchResidual::Vector off = residual.residual(at.common, at.markers[marker], pose, shift);
+  if (rows) off += rows->by_motion * at.motions[frame];
+  return off.squaredNorm();
 }
 
 // Quantities of one frame that the back substitution needs.

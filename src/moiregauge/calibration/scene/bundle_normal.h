@@ -34,7 +34,8 @@ struct BundlePatch {
     Eigen::Matrix<double, kMotionParameters, kMotionParameters> information;
   };
   std::shared_ptr<const Rows> rows{};
-  [[nodiscard]] double chi2(const BundleState& at) const;
+  // `pose`: that of its frame in `at`.
+  [[nodiscard]] double chi2(const BundleState& at, const TurnedPose& pose) const;
 };
 
 // Free parameter of the scene with its prior. Order: the parameters that all markers share, then five per marker.

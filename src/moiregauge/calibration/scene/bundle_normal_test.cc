@@ -121,8 +121,7 @@ TEST(BundleNormal, AStepGainsWhatItPredicts) {
   const NormalCase f = footage();
   const auto cost = [&](BundleState& at) {
     double sum = 0.0;
-    for (const BundlePatch& p : f.patches)
-      sum += p.residual.chi2(at.common, at.markers[p.marker], at.poses[p.frame], at.shifts[p.frame][p.marker]);
+    for (const BundlePatch& p : f.patches) sum += p.chi2(at, TurnedPose(at.poses[p.frame]));
     for (const SceneParameter& p : f.free) sum += std::pow((parameter(at, p.index) - p.mean) / p.u, 2);
     return sum;
   };

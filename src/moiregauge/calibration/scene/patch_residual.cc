@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 
 namespace moiregauge::internal {
 namespace {
@@ -72,11 +73,11 @@ PatchInformation across_lines(PatchInformation information, Pattern pattern) {
   return information;
 }
 
-// Image of a point in camera coordinates, with its derivatives by the point and by the camera.
+// Image of a point in camera coordinates, with the derivatives of both its coordinates by the point and by the camera.
 struct Projection {
-  Vector2d image;
-  Eigen::Matrix<double, 2, 3> by_point;
-  Eigen::Matrix<double, 2, kCameraParameters> by_camera;
+  std::array<double, 2> image;
+  std::array<Vector3d, 2> by_point;
+  std::array<std::array<double, kCameraParameters>, 2> by_camera;
 };
 
 Projection projection(const CommonNumbers& c, const Vector3d& p) {
@@ -85,16 +86,15 @@ Projection projection(const CommonNumbers& c, const Vector3d& p) {
   const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3)), slope = 2.0 * (k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3));
   const double xx = r2 + 2.0 * x * x, xy = 2.0 * x * y, yy = r2 + 2.0 * y * y;
   const double xd = x * radial + p1 * xy + p2 * xx, yd = y * radial + p1 * yy + p2 * xy;
-  const double xd_x = radial + slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x;
-  const double yd_y = radial + slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x;
-  const double mixed = slope * x * y + 2.0 * p1 * x + 2.0 * p2 * y;
-  Projection out;
-  out.image = {f * xd + cx, f * yd + cy};
-  out.by_point << xd_x, mixed, -(xd_x * x + mixed * y), mixed, yd_y, -(mixed * x + yd_y * y);
-  out.by_point *= f * w;
+  const double per_mm = f * w;
+  const double xd_x = per_mm * (radial + slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x);
+  const double yd_y = per_mm * (radial + slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x);
+  const double mixed = per_mm * (slope * x * y + 2.0 * p1 * x + 2.0 * p2 * y);
   const double r4 = r2 * r2, r6 = r4 * r2;
-  out.by_camera << xd, 1, 0, f * x * r2, f * x * r4, f * xy, f * xx, f * x * r6,  //
-      yd, 0, 1, f * y * r2, f * y * r4, f * yy, f * xy, f * y * r6;
+  Projection out{{f * xd + cx, f * yd + cy}, {}, {}};
+  out.by_point = {Vector3d(xd_x, mixed, -(xd_x * x + mixed * y)), Vector3d(mixed, yd_y, -(mixed * x + yd_y * y))};
+  out.by_camera = {{{xd, 1, 0, f * x * r2, f * x * r4, f * xy, f * xx, f * x * r6},
+                    {yd, 0, 1, f * y * r2, f * y * r4, f * yy, f * xy, f * y * r6}}};
   return out;
 }
 
@@ -173,44 +173,68 @@ Eigen::Matrix<double, PatchResidual::kSize, kWide> PatchResidual::whitened(
   return out;
 }
 
+// A print on the board.
+struct PatchResidual::Sheet {
+  Sheet(const PatchResidual& patch, const CommonNumbers& common, const MarkerShape& shape, Extent<frame::Board> shift)
+      : half(0.5 * common[kStretchParameter]),
+        scale(1.0 + shape.value[MarkerShape::kScale]),
+        c(patch.pitch_mm_ * std::cos(patch.angle_rad_ + shape.value[MarkerShape::kRotation])),
+        s(patch.pitch_mm_ * std::sin(patch.angle_rad_ + shape.value[MarkerShape::kRotation])),
+        centre(patch.x_mm_ + shape.value[MarkerShape::kX] + shift.x,
+               patch.y_mm_ + shape.value[MarkerShape::kY] + shift.y, shape.value[MarkerShape::kHeight]),
+        tilt({tilt_of(shape), {}}) {}
+
+  // Returns print coordinates (pitches) along the axes of an untilted board, mm.
+  [[nodiscard]] Vector2d turned(double x, double y) const { return {c * x - s * y, s * x + c * y}; }
+  [[nodiscard]] Vector2d turned(PrintPoint p) const { return turned((1.0 + half) * p.x, (1.0 - half) * p.y); }
+  // Returns a point of the print, relative to its centre, mm.
+  [[nodiscard]] Vector3d from_centre(const Vector2d& at) const {
+    return scale * (at.x() * tilt.rotation.col(0) + at.y() * tilt.rotation.col(1));
+  }
+
+  double half, scale;  // half the stretch, relative pitch
+  double c, s;         // mm per pitch
+  Vector3d centre;     // mm
+  TurnedPose tilt;
+};
+
 PatchResidual::Design PatchResidual::off(const CommonNumbers& common, const MarkerShape& shape, const TurnedPose& pose,
                                          Extent<frame::Board> shift) const {
-  const double angle = angle_rad_ + shape.value[MarkerShape::kRotation], scale = 1.0 + shape.value[MarkerShape::kScale];
-  const double half = 0.5 * common[kStretchParameter];
-  const double c = pitch_mm_ * std::cos(angle), s = pitch_mm_ * std::sin(angle);
-  const Vector3d centre(x_mm_ + shape.value[MarkerShape::kX] + shift.x, y_mm_ + shape.value[MarkerShape::kY] + shift.y,
-                        shape.value[MarkerShape::kHeight]);
-  const TurnedPose tilt({tilt_of(shape), {}});
-  const Eigen::Matrix<double, 3, 2> axes = tilt.rotation.leftCols<2>();
+  const Sheet sheet(*this, common, shape, shift);
+  const Vector3d x_axis = sheet.tilt.rotation.col(0), y_axis = sheet.tilt.rotation.col(1);
   Design off;
   for (std::size_t n = 0; n < kPatchPoints; ++n) {
-    const double px = (1.0 + half) * print_[n].x, py = (1.0 - half) * print_[n].y;
-    const double bx = c * px - s * py, by = s * px + c * py;
-    const Vector3d from_centre = axes.lazyProduct(Vector2d(scale * bx, scale * by)), board = centre + from_centre;
+    const Vector2d at = sheet.turned(print_[n]);
+    const Vector2d by_half = sheet.scale * sheet.turned(print_[n].x, -print_[n].y);
+    const Vector3d from_centre = sheet.from_centre(at), board = sheet.centre + from_centre;
     const Vector3d turned = pose.rotation * Vector3d(board.x(), -board.y(), -board.z());
     const Projection seen = projection(common, turned + pose.shift);
-    const Eigen::Matrix<double, 2, 3> by_point = pitches_per_px_[n].lazyProduct(seen.by_point);
-    Eigen::Matrix<double, 2, 3> by_board = by_point.lazyProduct(pose.rotation);  // derivatives by (X, -Y, -Z)
-    by_board.rightCols<2>() *= -1.0;
-    const Matrix2d by_print = by_board.lazyProduct(axes);
-    Eigen::Matrix<double, 2, PatchColumn::kColumns> rows;
-    rows.leftCols<kCameraParameters>() = pitches_per_px_[n].lazyProduct(seen.by_camera);
-    const double ex = 0.5 * scale * print_[n].x, ey = -0.5 * scale * print_[n].y;  // by half the stretch
-    rows.col(kStretchParameter) = (c * ex - s * ey) * by_print.col(0) + (s * ex + c * ey) * by_print.col(1);
-    auto by_shape = rows.middleCols<MarkerShape::kParameters>(PatchColumn::kShape);
-    by_shape.col(MarkerShape::kX) = by_board.col(0);
-    by_shape.col(MarkerShape::kY) = by_board.col(1);
-    by_shape.col(MarkerShape::kRotation) = scale * (bx * by_print.col(1) - by * by_print.col(0));
-    by_shape.col(MarkerShape::kScale) = bx * by_print.col(0) + by * by_print.col(1);
-    by_shape.col(MarkerShape::kHeight) = by_board.col(2);
-    const Eigen::Matrix<double, 2, 3> by_tilt = by_board.lazyProduct(cross_with(from_centre));
-    by_shape.middleCols<2>(MarkerShape::kTiltX) = -by_tilt.lazyProduct(tilt.left.leftCols<2>());
-    const Eigen::Matrix<double, 2, 3> by_turn = by_point.lazyProduct(cross_with(turned));
-    rows.middleCols<3>(PatchColumn::kPose) = -by_turn.lazyProduct(pose.left);
-    rows.middleCols<3>(PatchColumn::kPose + 3) = by_point;
-    rows.col(PatchColumn::kResidual) = pitches_per_px_[n] * (seen.image - Vector2d(image_[n].x, image_[n].y));
-    off.row(static_cast<Eigen::Index>(n)) = rows.row(0);
-    off.row(static_cast<Eigen::Index>(n) + kPatchPoints) = rows.row(1);
+    const Vector2d miss(seen.image[0] - image_[n].x, seen.image[1] - image_[n].y);
+    for (const int axis : {0, 1}) {
+      const double by_x = pitches_per_px_[n](axis, 0), by_y = pitches_per_px_[n](axis, 1);  // pitches/px
+      auto row = off.row(static_cast<Eigen::Index>(n) + axis * kPatchPoints);
+      for (std::size_t k = 0; k < kCameraParameters; ++k)
+        row(static_cast<Eigen::Index>(k)) = by_x * seen.by_camera[0][k] + by_y * seen.by_camera[1][k];
+      const Vector3d by_point = by_x * seen.by_point[0] + by_y * seen.by_point[1];
+      Vector3d by_board = pose.rotation.transpose() * by_point;
+      by_board.tail<2>() *= -1.0;  // the rotation has (X, -Y, -Z)
+      const double by_print_x = by_board.dot(x_axis), by_print_y = by_board.dot(y_axis);
+      // The derivative of a . (turn x b) by the turn is b x a.
+      const Vector3d by_tilt = sheet.tilt.left.transpose() * from_centre.cross(by_board);
+      const Vector3d by_turn = pose.left.transpose() * turned.cross(by_point);
+      row(kStretchParameter) = 0.5 * (by_half.x() * by_print_x + by_half.y() * by_print_y);
+      const auto of_shape = [&row](int k) -> double& { return row(PatchColumn::kShape + k); };
+      of_shape(MarkerShape::kX) = by_board.x();
+      of_shape(MarkerShape::kY) = by_board.y();
+      of_shape(MarkerShape::kRotation) = sheet.scale * (at.x() * by_print_y - at.y() * by_print_x);
+      of_shape(MarkerShape::kScale) = at.x() * by_print_x + at.y() * by_print_y;
+      of_shape(MarkerShape::kHeight) = by_board.z();
+      of_shape(MarkerShape::kTiltX) = by_tilt.x();
+      of_shape(MarkerShape::kTiltY) = by_tilt.y();
+      for (Eigen::Index k = 0; k < 3; ++k)
+        row(PatchColumn::kPose + k) = by_turn(k), row(PatchColumn::kPose + 3 + k) = by_point(k);
+      row(PatchColumn::kResidual) = by_x * miss.x() + by_y * miss.y();
+    }
   }
   return off;
 }
@@ -241,19 +265,22 @@ PatchResidual::FrameDesign PatchResidual::frame_design(const CommonNumbers& comm
   return out;
 }
 
-PatchResidual::Vector PatchResidual::residual(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,
-                                              Extent<frame::Board> shift) const {
-  const std::array<double, 6> place{pose.turn[0],  pose.turn[1],  pose.turn[2],
-                                    pose.shift[0], pose.shift[1], pose.shift[2]};
-  const std::array<double, 2> moved{shift.x, shift.y};
-  Vector r;
-  (*this)(common.data(), shape.value.data(), place.data(), moved.data(), r.data());
-  return r;
-}
-
-double PatchResidual::chi2(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,
-                           Extent<frame::Board> shift) const {
-  return residual(common, shape, pose, shift).squaredNorm();
+PatchResidual::Vector PatchResidual::residual(const CommonNumbers& common, const MarkerShape& shape,
+                                              const TurnedPose& pose, Extent<frame::Board> shift) const {
+  const Sheet sheet(*this, common, shape, shift);
+  Vector off;
+  for (std::size_t n = 0; n < kPatchPoints; ++n) {
+    const Vector3d board = sheet.centre + sheet.from_centre(sheet.turned(print_[n]));
+    const Vector3d point = pose.rotation * Vector3d(board.x(), -board.y(), -board.z()) + pose.shift;
+    const auto seen = image_of(common.data(), {point.x(), point.y(), point.z()});
+    const double x = seen[0] - image_[n].x, y = seen[1] - image_[n].y;
+    const auto row = static_cast<Eigen::Index>(n);
+    off(row) = pitches_per_px_[n](0, 0) * x + pitches_per_px_[n](0, 1) * y;
+    off(row + kPatchPoints) = pitches_per_px_[n](1, 0) * x + pitches_per_px_[n](1, 1) * y;
+  }
+  Vector out = whitened(off);
+  out(kLinesRow) += moved_along_lines(shape, shift);
+  return out;
 }
 
 std::array<double, 3> PatchResidual::board(double stretch, const MarkerShape& shape, Extent<frame::Board> shift,

@@ -27,17 +27,23 @@ std::array<T, 3> turned_by(const T* turn, const std::array<T, 3>& v) {
           v[2] * c + cross[2] * s + turn[2] * along};
 }
 
-// Projects a board point (mm) to the image (px): pose, then OpenCV's lens model. `camera` starts with f cx cy k1 k2 p1
-// p2 k3.
+// Returns the image (px) of a point in camera coordinates (mm), by OpenCV's lens model. `camera` starts with f cx cy k1
+// k2 p1 p2 k3.
 template <typename T>
-std::array<T, 2> projected(const T* camera, const T* pose, const std::array<T, 3>& board) {
-  auto p = turned_by(pose, {board[0], -board[1], -board[2]});
-  const T x = (p[0] + pose[3]) / (p[2] + pose[5]), y = (p[1] + pose[4]) / (p[2] + pose[5]);
+std::array<T, 2> image_of(const T* camera, const std::array<T, 3>& point) {
+  const T x = point[0] / point[2], y = point[1] / point[2];
   const T r2 = x * x + y * y;
   const T radial = T(1.0) + r2 * (camera[3] + r2 * (camera[4] + r2 * camera[7]));
   const T xd = x * radial + T(2.0) * camera[5] * x * y + camera[6] * (r2 + T(2.0) * x * x);
   const T yd = y * radial + camera[5] * (r2 + T(2.0) * y * y) + T(2.0) * camera[6] * x * y;
   return {camera[0] * xd + camera[1], camera[0] * yd + camera[2]};
+}
+
+// Projects a board point (mm) to the image (px): pose, then lens.
+template <typename T>
+std::array<T, 2> projected(const T* camera, const T* pose, const std::array<T, 3>& board) {
+  const auto p = turned_by(pose, {board[0], -board[1], -board[2]});
+  return image_of(camera, {p[0] + pose[3], p[1] + pose[4], p[2] + pose[5]});
 }
 
 // Standard uncertainty of a target's movement along its lines, pitches. It only fixes the coordinate: the samples' u has
@@ -122,16 +128,14 @@ class PatchResidual {
                                          Extent<frame::Board> shift) const;
   [[nodiscard]] Design design(const CommonNumbers& common, const MarkerShape& shape, const TurnedPose& pose,
                               Extent<frame::Board> shift) const;
-  [[nodiscard]] double chi2(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,
-                            Extent<frame::Board> shift) const;
+  [[nodiscard]] Vector residual(const CommonNumbers& common, const MarkerShape& shape, const TurnedPose& pose,
+                                Extent<frame::Board> shift) const;
 
   // Returns grating point n on the board: (X, Y, Z) in mm, as `projected` takes it.
   [[nodiscard]] std::array<double, 3> board(double stretch, const MarkerShape& shape, Extent<frame::Board> shift,
                                             std::size_t n) const;
   // Returns the residual's derivative by the projected position of point n, pitches/px.
   [[nodiscard]] const Eigen::Matrix2d& pitches_per_px(std::size_t n) const { return pitches_per_px_[n]; }
-  [[nodiscard]] Vector residual(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,
-                                Extent<frame::Board> shift) const;
 
   // Returns the whitening matrix: root^T root is the information matrix.
   [[nodiscard]] const Eigen::Matrix<double, kSize, kSize>& root() const { return root_; }
@@ -139,6 +143,7 @@ class PatchResidual {
   [[nodiscard]] int rank() const { return rank_; }
 
  private:
+  struct Sheet;
   // Row of the residual along the lines. The information of lines has no part in it.
   static constexpr int kLinesRow = kSize - 1;
   // Returns the design matrix before it is whitened.
