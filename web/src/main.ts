@@ -24,8 +24,14 @@ function badge(of: Report): HTMLElement {
   return el('span', { class: `badge ${kind}` }, of.outcome);
 }
 
+// A selection of frames (--frames) has fewer rows than the recording has frames.
+function framesOf(run: Run): string {
+  const measured = run.targets[0]?.frames ?? run.input.frames;
+  return measured === run.input.frames ? `${measured} frames` : `${measured} of ${run.input.frames} frames`;
+}
+
 function header(of: Report, run: Run, abscissa: Abscissa | undefined): HTMLElement {
-  const facts = [`${run.input.frames} frames`, `${run.input.width} \u00d7 ${run.input.height} px`, `method ${of.method.name}`];
+  const facts = [framesOf(run), `${run.input.width} \u00d7 ${run.input.height} px`, `method ${of.method.name}`];
   if (abscissa && of.time !== null) facts.splice(1, 0, duration(abscissa.x[abscissa.x.length - 1]! - abscissa.x[0]!));
   return el('header', {}, el('p', { class: 'brand' }, 'moiregauge report'), el('h1', {}, of.input),
     el('p', { class: 'facts' }, badge(of), ...facts.map((fact) => el('span', {}, fact))));
