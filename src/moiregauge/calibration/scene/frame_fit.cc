@@ -10,6 +10,7 @@
 #include "moiregauge/calibration/scene/free_parameters.h"
 #include "moiregauge/calibration/scene/normal_inverse.h"
 #include "moiregauge/calibration/scene/patch_residual.h"
+#include "moiregauge/calibration/scene/small_products.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -64,73 +65,75 @@ struct PatchDesign {
   std::size_t marker = 0;
   PatchResidual::FrameDesign frame;
   OwnScene scene;
-  std::optional<ByRows> rows;
+  const ByRows* rows = nullptr;  // null: global shutter
 };
 
 // The last pass adds the scene's part.
 enum class Want { kStep, kSamples, kScene };
 
-void add_rows(Normal& n, const PatchDesign& patch) {
+// Adds the part of a rolling shutter.
+void add_rows(Normal& n, const PatchDesign& patch, ShiftNormal* shift) {
   const ByRows& rows = *patch.rows;
-  const auto pose = patch.frame.leftCols<6>();
-  const auto residual = patch.frame.col(FrameColumn::kResidual);
-  n.pose.topRightCorner<6, kMotionParameters>() += pose.transpose() * rows.motion;
-  n.pose.bottomLeftCorner<kMotionParameters, 6>() = n.pose.topRightCorner<6, kMotionParameters>().transpose();
-  n.pose.bottomRightCorner<kMotionParameters, kMotionParameters>() += rows.motion.transpose() * rows.motion;
-  n.right.tail<kMotionParameters>() += rows.motion.transpose() * residual;
-  n.by_readout.head<6>() += pose.transpose() * rows.readout;
-  n.by_readout.tail<kMotionParameters>() += rows.motion.transpose() * rows.readout;
+  const auto of_motion = product_of_columns(rows.motion, patch.frame);
+  const auto of_readout = product_of_columns(patch.frame, rows.readout);
+  n.pose.bottomLeftCorner<kMotionParameters, 6>() += of_motion.leftCols<6>();
+  n.pose.topRightCorner<6, kMotionParameters>() = n.pose.bottomLeftCorner<kMotionParameters, 6>().transpose();
+  n.pose.bottomRightCorner<kMotionParameters, kMotionParameters>() += normal_matrix(rows.motion);
+  n.right.tail<kMotionParameters>() += of_motion.col(FrameColumn::kResidual);
+  n.by_readout.head<6>() += of_readout.head<6>();
+  n.by_readout.tail<kMotionParameters>() += product_of_columns(rows.motion, rows.readout);
   n.bb += rows.readout.squaredNorm();
-  n.rb += rows.readout.dot(residual);
+  n.rb += of_readout(FrameColumn::kResidual);
+  if (shift == nullptr) return;
+  shift->across.bottomRows<kMotionParameters>() = of_motion.middleCols<2>(FrameColumn::kShift);
+  shift->by_readout = of_readout.segment<2>(FrameColumn::kShift);
 }
 
-// Adds a grating. `shift`: its target's equations, or null.
-void add_patch(Normal& n, const PatchDesign& patch, ShiftNormal* shift) {
-  const Eigen::Matrix<double, FrameColumn::kColumns, FrameColumn::kColumns> all =
-      patch.frame.transpose().lazyProduct(patch.frame);
+// Adds a grating. `shift`: its target's equations, or null. Returns the information about the grating's shift, with the
+// pose known.
+Eigen::Matrix2d add_patch(Normal& n, const PatchDesign& patch, ShiftNormal* shift) {
+  const auto all = normal_matrix(patch.frame);
+  const Eigen::Matrix2d own = all.block<2, 2>(FrameColumn::kShift, FrameColumn::kShift);
   n.pose.topLeftCorner<6, 6>() += all.topLeftCorner<6, 6>();
   n.right.head<6>() += all.block<6, 1>(0, FrameColumn::kResidual);
-  if (patch.rows) add_rows(n, patch);
-  if (shift == nullptr) return;
-  shift->marker = patch.marker;
-  shift->own = all.block<2, 2>(FrameColumn::kShift, FrameColumn::kShift);
-  shift->own.diagonal().array() += 1.0 / (kUnknownShift * kUnknownShift);
-  shift->across.resize(n.pose.rows(), 2);
-  shift->across.topRows<6>() = all.block<6, 2>(0, FrameColumn::kShift);
-  shift->right = all.block<2, 1>(FrameColumn::kShift, FrameColumn::kResidual);
-  shift->root.compute(shift->own);
-  if (!patch.rows) return;
-  const auto moved = patch.frame.middleCols<2>(FrameColumn::kShift);
-  shift->across.bottomRows<kMotionParameters>() = patch.rows->motion.transpose() * moved;
-  shift->by_readout = moved.transpose() * patch.rows->readout;
+  if (shift != nullptr) {
+    shift->marker = patch.marker;
+    shift->own = own;
+    shift->own.diagonal().array() += 1.0 / (kUnknownShift * kUnknownShift);
+    shift->across.resize(n.pose.rows(), 2);
+    shift->across.topRows<6>() = all.block<6, 2>(0, FrameColumn::kShift);
+    shift->right = all.block<2, 1>(FrameColumn::kShift, FrameColumn::kResidual);
+    shift->root.compute(shift->own);
+  }
+  if (patch.rows) add_rows(n, patch, shift);
+  return own;
 }
 
 // Adds the scene's part of a grating, without its shift.
 void add_scene(Normal& n, const PatchDesign& patch, ShiftNormal* shift, Want want) {
   Eigen::Matrix<double, Eigen::Dynamic, kOwnParameters, 0, kMaxPose, kOwnParameters> by_pose(n.pose.rows(),
                                                                                              kOwnParameters);
-  by_pose.topRows<6>() = patch.frame.leftCols<6>().transpose().lazyProduct(patch.scene);
-  if (patch.rows) by_pose.bottomRows<kMotionParameters>() = patch.rows->motion.transpose() * patch.scene;
+  const auto by_frame = product_of_columns(patch.frame, patch.scene);
+  by_pose.topRows<6>() = by_frame.topRows<6>();
+  if (patch.rows) by_pose.bottomRows<kMotionParameters>() = product_of_columns(patch.rows->motion, patch.scene);
   Eigen::Matrix<double, 2, kOwnParameters> solved = Eigen::Matrix<double, 2, kOwnParameters>::Zero();
   if (shift != nullptr) {
-    shift->by_scene = patch.frame.middleCols<2>(FrameColumn::kShift).transpose().lazyProduct(patch.scene);
+    shift->by_scene = by_frame.middleRows<2>(FrameColumn::kShift);
     solved = shift->root.solve(shift->by_scene);
-    by_pose -= shift->across * solved;
+    by_pose -= shift->across.lazyProduct(solved);
   }
   for (int k = 0; k < kOwnParameters; ++k) n.by_scene.col(scene_column(patch.marker, k)) += by_pose.col(k);
   if (want != Want::kScene) return;
   if (patch.rows) {
-    Eigen::Matrix<double, kOwnParameters, 1> with = patch.scene.transpose() * patch.rows->readout;
+    auto with = product_of_columns(patch.scene, patch.rows->readout);
     if (shift != nullptr) with -= solved.transpose() * shift->by_readout;
-    const Eigen::Matrix<double, kOwnParameters, 1> slope =
-        patch.scene.transpose() * patch.frame.col(FrameColumn::kResidual);
     for (int k = 0; k < kOwnParameters; ++k) {
       n.scene_by_readout(scene_column(patch.marker, k)) += with(k);
-      n.scene_slope(scene_column(patch.marker, k)) += slope(k);
+      n.scene_slope(scene_column(patch.marker, k)) += by_frame(FrameColumn::kResidual, k);
     }
   }
-  OwnInformation& own = n.own_scene.emplace_back(OwnInformation{patch.marker, patch.scene.transpose() * patch.scene});
-  if (shift != nullptr) own.information -= shift->by_scene.transpose() * solved;
+  OwnInformation& own = n.own_scene.emplace_back(OwnInformation{patch.marker, normal_matrix(patch.scene)});
+  if (shift != nullptr) own.information -= shift->by_scene.transpose().lazyProduct(solved);
 }
 
 // Equations of pose and motion without the shifts.
@@ -143,8 +146,8 @@ Reduced without_shifts(const Normal& n) {
   Reduced out{n.pose, n.right};
   for (const ShiftNormal& s : n.shifts) {
     const Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxPose> solved = s.root.solve(s.across.transpose());
-    out.pose.noalias() -= s.across * solved;
-    out.right.noalias() -= solved.transpose() * s.right;
+    out.pose -= s.across.lazyProduct(solved);
+    out.right -= solved.transpose().lazyProduct(s.right);
   }
   return out;
 }
@@ -178,6 +181,7 @@ double take_step(FrameFit& fit, const Normal& n) {
 // A frame's residuals and the layout of its unknowns: pose, shifts of the targets, motion while rows are read.
 struct Unknowns {
   std::vector<std::optional<PatchResidual>> patches;  // one per site marker
+  std::vector<std::optional<ByRows>> rows;            // the same, for a rolling shutter
   int references = 0;
   int shifts = 0;
   int pose = 6;  // with motion
@@ -191,10 +195,15 @@ Unknowns start(FrameFit& fit, const Site& site, const BundleFrame& frame) {
   fit.chi2.assign(markers, kNaN);
   fit.own_information.assign(markers, Eigen::Matrix2d::Zero());
   Unknowns out;
-  out.patches.resize(markers);
+  out.patches.resize(markers), out.rows.resize(markers);
   for (std::size_t i = 0; i < markers; ++i) {
     if (!frame.points[i] || !site.markers[i].grating) continue;
     out.patches[i].emplace(*frame.points[i], site.markers[i]);
+    if (frame.rows) {
+      const PatchInformation by_columns = out.patches[i]->root().transpose();
+      const auto columns = product_of_columns(by_columns, frame.rows->by_marker[i]);
+      out.rows[i].emplace(ByRows{columns.leftCols<kMotionParameters>(), columns.col(kMotionParameters)});
+    }
     out.references += site.markers[i].role == Role::kReference;
     fit.shift[i] = {0, 0};
     if (site.markers[i].role == Role::kReference || frame.at_rest) continue;
@@ -249,19 +258,14 @@ Normal equations_of(FrameFit& fit, const Unknowns& unknowns, const Scene& scene,
     const auto& patch = unknowns.patches[i];
     if (!patch) continue;
     PatchDesign design = design_of(fit, i, *patch, scene, want);
-    if (frame.rows) {
-      const RowDesign::Columns columns = patch->root() * frame.rows->by_marker[i];
-      design.rows.emplace(ByRows{columns.leftCols<kMotionParameters>(), columns.col(kMotionParameters)});
-      design.frame.col(FrameColumn::kResidual) += design.rows->motion * fit.motion;
-    }
+    design.rows = unknowns.rows[i] ? &*unknowns.rows[i] : nullptr;
+    if (design.rows != nullptr) design.frame.col(FrameColumn::kResidual) += design.rows->motion * fit.motion;
     ShiftNormal* shift = fit.shift_row[i] >= 0 ? &n.shifts.emplace_back() : nullptr;
-    add_patch(n, design, shift);
+    fit.own_information[i] = add_patch(n, design, shift);
     if (want != Want::kStep) add_scene(n, design, shift, want);
     fit.chi2[i] = design.frame.col(FrameColumn::kResidual).squaredNorm();
     fit.chi2_sum += fit.chi2[i];
     fit.dof += patch->rank();
-    const auto by_shift = design.frame.middleCols<2>(FrameColumn::kShift);
-    fit.own_information[i] = by_shift.transpose() * by_shift;
   }
   if (frame.rows) {
     n.pose.bottomRightCorner<kMotionParameters, kMotionParameters>() += frame.rows->information;
