@@ -46,7 +46,9 @@ int main(int argc, char** argv) {
         "**Coverage.** Each run has a reference frame and five more. Everything stated to the instrument is "
         "drawn again for each run, with its stated uncertainty: positions, rotations, heights, print scales, "
         "a given camera. The columns give the share of errors inside 1.96 u. The number after +- is the "
-        "scatter of this share by chance, from run to run, because the frames of one run share their draw.\n\n");
+        "scatter of this share by chance, from run to run, because the frames of one run share their draw. "
+        "In `off-plane` the target is 30 mm rms before or behind the plane. Beyond 12 mm its apparent size may also "
+        "come from a wrong pitch, and u covers both.\n\n");
     print_coverage(runs > 0 ? runs : 200, only, verbose);
   }
   if (order || all) {
