@@ -27,6 +27,9 @@ struct RowDesign {
 };
 using Motion = Eigen::Matrix<double, kMotionParameters, 1>;
 
+// Standard uncertainty along an axis of a shift that the grating does not show, mm. Chosen, far beyond any movement.
+inline constexpr double kUnknownShift = 1e4;
+
 inline constexpr double kNotTimed = std::numeric_limits<double>::quiet_NaN();  // time of a frame without a time stamp
 
 // Input of the bundle adjustment from one frame.

@@ -51,9 +51,8 @@ inline constexpr double kRobustFrom = 10.0;
 // Returns the weight of a grating: the slope of that loss.
 [[nodiscard]] double robust_weight(double chi2);
 
-// Least information of a shift axis, 1/mm^2. It keeps an axis that the grating does not show in place, with u = 1e4 mm
-// as in fit_frame.
-inline constexpr double kLeastShiftInformation = 1e-8;
+// Least information of a shift axis, 1/mm^2. It keeps an axis that the grating does not show in place.
+inline constexpr double kLeastShiftInformation = 1.0 / (kUnknownShift * kUnknownShift);
 
 [[nodiscard]] double& parameter(BundleState& state, int index);
 

@@ -150,7 +150,7 @@ void expect_alike(const BundleState& at, const BundleState& a, const BundleState
 }
 
 TEST(BundleNormal, FramesWithAFixedSceneStepAsInAllUnknowns) {
-  NormalCase f = footage();
+  const NormalCase f = footage();
   const auto together = BundleNormal(f.patches, {}, f.at).step(0.0);
   const auto alone = step_of_frames(f.patches, f.at);
   ASSERT_TRUE(together && alone);

@@ -70,7 +70,6 @@ struct FrameFit {
 // axis that the grating does not show keeps its start value, with u = kUnknownShift.
 [[nodiscard]] FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& frame,
                                  FrameDetail detail = FrameDetail::kScene);
-inline constexpr double kUnknownShift = 1e4;  // mm
 
 // Return the covariance of a target's shift (mm^2), and its change per unit of each scene parameter. The target must
 // have a shift.

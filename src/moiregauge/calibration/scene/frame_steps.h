@@ -9,8 +9,8 @@
 
 namespace moiregauge::internal {
 
-// Returns `at` after the undamped Gauss-Newton step of every frame's pose, shifts and motion. The patches must be in the
-// order of their frames.
+// Returns `at` after the undamped Gauss-Newton step of every frame's pose, shifts and motion. The patches must be in
+// the order of their frames.
 // Fails (nothing): a frame's patches do not determine its pose.
 [[nodiscard]] std::optional<BundleState> step_of_frames(std::span<const BundlePatch> patches, const BundleState& at);
 

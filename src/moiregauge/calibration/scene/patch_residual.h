@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Projection of the scene, and its residual: nine points of a grating against the nine pixels that show them. One
-// version works with doubles and with Ceres' dual numbers. Another has closed-form derivatives, which are far cheaper.
+// Projection of the scene, and its residual: nine points of a grating against the nine pixels that show them. The
+// program uses closed-form derivatives. A version for any number type checks them with Ceres' dual numbers.
 #pragma once
 
 #include <array>
