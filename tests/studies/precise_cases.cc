@@ -46,19 +46,13 @@ Scenario small_in_large_picture(double percent) {
   return s;
 }
 
-// States the heights, because on an orbit an unknown height of the target would dominate u.
-void state_heights(Scenario& s) {
-  for (auto& marker : s.markers) marker.print.z_mm = 0.0;
-  s.known_to.height_mm = 0.05;
-}
-
 // Returns random camera positions around the board, within +-within_deg in azimuth and half of it in elevation.
 Scenario orbit(double percent, double within_deg) {
   Scenario s = scene("small-still");
   s.mount.pivot_z_mm = s.mount.distance_mm;
   bend(s, percent);
   draw_poses(s, 0.5 * within_deg, within_deg, 0.0);
-  state_heights(s);
+  state_heights(s, 0.05);  // unknown, the target's would dominate u
   return s;
 }
 
@@ -85,6 +79,7 @@ void add_known_lens(std::vector<PreciseCase>& all) {
                     .gate = is_cosine ? "<= 1.15 x" : "<= 1.5 x full",
                     .scenario = view.scenario,
                     .lens_known = true,
+                    .heights_known = true,
                     .frames = 21};
       set_pattern(c.scenario, pattern);
       if (!is_cosine) c.bound = Bound::kFull;
@@ -96,6 +91,7 @@ void add_known_lens(std::vector<PreciseCase>& all) {
                    .gate = "<= 2.2 x full",
                    .scenario = view.scenario,
                    .bound = Bound::kFull,
+                   .heights_known = true,
                    .frames = 30});
   }
 }
@@ -219,6 +215,11 @@ void add_rolling(std::vector<PreciseCase>& all) {
 }
 
 }  // namespace
+
+void state_heights(Scenario& scenario, double u_mm) {
+  for (auto& marker : scenario.markers) marker.print.z_mm = 0.0;
+  scenario.known_to.height_mm = u_mm;
+}
 
 const std::vector<PreciseCase>& precise_cases() {
   static const std::vector<PreciseCase> list = [] {

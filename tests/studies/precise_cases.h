@@ -19,6 +19,7 @@ struct PreciseCase {
   simulator::Scenario scenario;
   Bound bound = Bound::kPhase;
   bool lens_known = false;
+  bool heights_known = false;  // in long runs, the site states the heights, which are exact there, to 1 um
   std::optional<FrameRange> rest{};
   std::optional<double> readout_s{};  // s, value of --readout
   long frames = 60;                   // per long run, including the reference frame
@@ -33,5 +34,8 @@ struct PreciseCase {
 
 // Returns the scenario with another seed of the noise, the camera poses and the true positions.
 [[nodiscard]] simulator::Scenario redrawn(const simulator::Scenario& scenario, int seed);
+
+// States all heights as zero, known to u_mm.
+void state_heights(simulator::Scenario& scenario, double u_mm);
 
 }  // namespace moiregauge::internal::study
