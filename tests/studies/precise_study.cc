@@ -3,6 +3,7 @@
 //
 //     precise_study [--set KEY=VALUE]... [--cases WORD] [--runs N] [--coverage N] [--seed S] [--method M] [--no-draw]
 //                   [--noise-free] [--template auto|on|off] [--verbose]
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -141,8 +142,17 @@ void tell_case(const simulator::Scenario& s, const test::MeasuredRun& run) {
   for (const std::string& note : run.solution.notes) std::fprintf(stderr, "    %s\n", note.c_str());
 }
 
+// Returns u of a lens that is known to a millionth.
+std::array<double, kCameraParameters> exact_lens(const Camera& lens) {
+  std::array<double, kCameraParameters> u{};
+  u.fill(1e-6);
+  for (std::size_t k = 0; k < 3; ++k) u[k] *= lens.fx;  // f and the principal point, px
+  return u;
+}
+
 // Makes the long runs. Only positions are drawn; gratings and heights are exact, so that the remaining errors are those of
-// the method. In frames of large rotations an uncertain height of the target would dominate. The bound is that of the measured frames. The full bound requires four images per marker, so it is computed
+// the method. In frames of large rotations an uncertain height of the target would dominate. A lens that is known to its
+// usual u would be solved within it. The bound is that of the measured frames. The full bound requires four images per marker, so it is computed
 // for every tenth frame only.
 CaseTally long_runs(const PreciseCase& c, const Words& words) {
   CaseTally tally;
@@ -151,7 +161,9 @@ CaseTally long_runs(const PreciseCase& c, const Words& words) {
     simulator::Scenario s = redrawn(c.scenario, words.seed + n);
     s.draw.position = !words.no_draw;
     if (c.heights_known) state_heights(s, 0.001);
-    const test::MeasuredRun run = test::measured(s, plan_of(c, words));
+    test::RunPlan plan = plan_of(c, words);
+    if (c.lens_known) plan.solve.u_camera = exact_lens(lens_of(s.camera));
+    const test::MeasuredRun run = test::measured(s, plan);
     if (words.verbose) tell_case(s, run);
     add_run(tally, s, run);
     const bool full = c.bound == Bound::kFull;

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/calibration/scene/out_of_plane.h"
 #include "moiregauge/planning/layout_bound.h"
 #include "moiregauge/units/units.h"
 
@@ -94,29 +95,48 @@ std::optional<std::string> still_camera_note(const Scene& scene, std::span<const
 
 namespace {
 
-// Returns the largest change of a removed movement since the reference frame.
-Eigen::Vector4d largest_movement(std::span<const BundleFrame> frames, std::size_t marker) {
-  Eigen::Vector4d most = Eigen::Vector4d::Zero();
+// Returns the largest change of a removed movement since the reference frame, with the frame of its largest height.
+struct LargestMovement {
+  Eigen::Vector4d of = Eigen::Vector4d::Zero();
+  const BundleFrame* highest = nullptr;
+};
+
+LargestMovement largest_movement(std::span<const BundleFrame> frames, std::size_t marker) {
+  LargestMovement most;
   for (const BundleFrame& frame : frames) {
-    if (!frame.removed.empty() && !frames.front().removed.empty())
-      most = most.cwiseMax((frame.removed[marker] - frames.front().removed[marker]).cwiseAbs());
+    if (frame.removed.empty() || frames.front().removed.empty()) continue;
+    const Eigen::Vector4d moved = (frame.removed[marker] - frames.front().removed[marker]).cwiseAbs();
+    if (moved(MovementAxis::kHeight) > most.of(MovementAxis::kHeight)) most.highest = &frame;
+    most.of = most.of.cwiseMax(moved);
   }
   return most;
+}
+
+// Returns the standard uncertainty of the largest height, mm. `noise_mm`: that by noise of one frame.
+double u_of_height(const Scene& scene, const LargestMovement& most, const BundleFrame& then, double noise_mm) {
+  const Eigen::MatrixXd& covariance = scene.stated_covariance();
+  const double u_focal = covariance.size() > 0 ? std::sqrt(covariance(0, 0)) / scene.camera.fx : 0.0;
+  const double u_size_mm = most.highest == nullptr ? 0.0
+                                                   : u_of_size(most.highest->pose, then.pose, Eigen::Vector3d::Zero()) *
+                                                         most.highest->pose.shift[2];
+  return std::hypot(std::hypot(std::sqrt(2.0) * noise_mm, u_size_mm), u_focal * most.of(MovementAxis::kHeight));
 }
 
 }  // namespace
 
 std::vector<std::string> movement_notes(const Site& site, const MovementRemoval& removal,
-                                        std::span<const BundleFrame> frames) {
+                                        const BundleSolution& solved) {
   std::vector<std::string> out;
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     const TargetMovement& movement = removal.movement(i);
-    const Eigen::Vector4d most = largest_movement(frames, i), u = std::sqrt(2.0) * movement.u;
+    const LargestMovement largest = largest_movement(solved.frames, i);
+    const Eigen::Vector4d &most = largest.of, u = std::sqrt(2.0) * movement.u;
     if (movement.leaves_plane())
       out.push_back(
           fmt::format("note: '{}' moves towards or away from the camera, by up to {:.3g} mm (u {:.2g} mm). Its "
                       "displacement is corrected for it",
-                      site.markers[i].name, most(MovementAxis::kHeight), u(MovementAxis::kHeight)));
+                      site.markers[i].name, most(MovementAxis::kHeight),
+                      u_of_height(solved.scene, largest, solved.frames.front(), movement.u(MovementAxis::kHeight))));
     if (!movement.rotates()) continue;
     const RotationCentre& centre = removal.centre(i);
     const std::string point = centre.is_middle

@@ -24,9 +24,10 @@ namespace moiregauge::internal {
 // Returns one line if the camera hardly rotates and moves in these frames. Its lens was then hardly tested.
 [[nodiscard]] std::optional<std::string> still_camera_note(const Scene& scene, std::span<const BundleFrame> frames);
 
-// Returns a line for every target whose height or rotation was removed from these frames. It states the largest one
-// since the reference frame, which is the first.
+// Returns a line for every target whose height or rotation was removed from the frames of `solved`. It states the largest
+// one since the reference frame, which is the first. The u of a height contains noise, the grating's size between two views,
+// and the focal length: a height by size is proportional to it.
 [[nodiscard]] std::vector<std::string> movement_notes(const Site& site, const MovementRemoval& removal,
-                                                      std::span<const BundleFrame> frames);
+                                                      const BundleSolution& solved);
 
 }  // namespace moiregauge::internal

@@ -78,6 +78,14 @@ BundleSolution at_focal_length(BundleSolution solution, double factor) {
   return solution;
 }
 
+// Returns a start for a smaller model. What is outside the model keeps its value in `best`, which is that of the prior.
+BundleSolution start_for(const SceneModel& model, BundleSolution from, const BundleSolution& best) {
+  Camera& camera = from.scene.camera;
+  if (!model.radial) camera = best.scene.camera, from.frames = best.frames;
+  if (!model.tangential) camera.p1 = best.scene.camera.p1, camera.p2 = best.scene.camera.p2;
+  return from;
+}
+
 // Settings of a choice between models. `penalty`: of BIC, per parameter.
 struct Choice {
   double penalty;
@@ -100,22 +108,24 @@ BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePr
     const double gain = best.scene.penalised_cost - larger.scene.penalised_cost;
     if (is_sane(larger.scene, side) && gain > due(larger.scene.model)) best = std::move(larger);
   };
-  const auto with_heights = [](SceneModel model) {
-    model.heights = model.depth = true;
-    return model;
-  };
   const auto solve = [&](const SceneModel& model, const Scene& scene, std::span<const BundleFrame> frames) {
     return bundle.solve(model, scene, frames, FocalLength::kAsModel, choice.selection.until);
   };
+  const auto solve_heights = [&](const BundleSolution& from) {
+    SceneModel model = best.scene.model;
+    model.heights = model.depth = true;
+    const BundleSolution start = start_for(model, from, best);
+    return solve(model, start.scene, start.frames);
+  };
   const SceneModel everything = everything_with(best.scene.model);
   BundleSolution all = solve(everything, best.scene, best.frames);
-  take_if_better(solve(with_heights(best.scene.model), all.scene, all.frames));
+  take_if_better(solve_heights(all));
   take_if_better(std::move(all));
-  if (const auto start = with_heights_for_scales(prior, best))
-    take_if_better(solve(with_heights(best.scene.model), *start, best.frames));
+  if (auto start = with_heights_for_scales(prior, best))
+    take_if_better(solve_heights({*std::move(start), best.frames}));
   if (prior.u_camera[0] > 0.0 && best.scene.camera.fx > kLongFocal * side) {
     const BundleSolution start = at_focal_length(best, kShortFocal * side / best.scene.camera.fx);
-    take_if_better(solve(with_heights(best.scene.model), start.scene, start.frames));
+    if (best.scene.model.radial) take_if_better(solve_heights(start));
     take_if_better(solve(everything, start.scene, start.frames));
   }
   return best;

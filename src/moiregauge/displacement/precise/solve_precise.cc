@@ -122,7 +122,7 @@ Solution measured_in_scene(const Reference& reference, const Observations& obser
   add_to(solution.notes, run.locking_note);
   add_to(solution.findings, stretched_prints_note(reference.site, scene.calibration));
   if (scene.movements) {
-    for (std::string& line : movement_notes(reference.site, *scene.movements, scene.calibration.bundle.frames))
+    for (std::string& line : movement_notes(reference.site, *scene.movements, scene.calibration.bundle))
       solution.findings.push_back(std::move(line));
   }
   for (std::string& line : apparent_size_notes(reference.site, scene.calibration, scene.size_deviations))
