@@ -2,7 +2,10 @@
 // Tests statements of the user: accepted if the footage agrees, contradicted if it does not.
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstdio>
 #include <limits>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -100,6 +103,40 @@ TEST(GivenCamera, IsAcceptedIfRight) {
     const auto run = measured_with_camera(scenario_of(name), -0.37);
     EXPECT_FALSE(notes(run, "with --camera")) << name;
     for (const Sample& s : run.samples) EXPECT_EQ(s.status, Status::kOk) << name << " frame " << s.frame;
+  }
+}
+
+// Largest movement towards the camera that a run states, and its u. NaN: none.
+struct StatedHeight {
+  double mm = kNotStated, u_mm = kNotStated;
+};
+
+StatedHeight largest_height(const test::MeasuredRun& run) {
+  StatedHeight out;
+  for (const std::string& line : run.solution.findings) {
+    const std::size_t at = line.find("by up to ");
+    if (line.find("towards or away") != std::string::npos)
+      std::sscanf(line.c_str() + at, "by up to %lf mm (u %lf mm)", &out.mm, &out.u_mm);
+  }
+  return out;
+}
+
+// A fixed camera does not show its focal length, so that of --camera counts. A height by size is proportional to it. The
+// given one is wrong by 1 %, which is 2 u of a camera file without u.
+TEST(GivenCamera, DeterminesHowFarATargetMovesTowardsIt) {
+  constexpr double kSwing_mm = 15.0;
+  for (const double factor : {0.99, 1.0, 1.01}) {
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+      auto scenario = at_rest(scenario_of("small-still"));
+      scenario.seed = seed;
+      scenario.markers.back().dz.amplitude = kSwing_mm, scenario.markers.back().dz.frequency_hz = 0.5;
+      test::RunPlan plan{.method = "precise", .frames = 11};
+      const simulator::Camera& c = scenario.camera;
+      plan.lens = {c.width, c.height, c.fx * factor, c.fy * factor, c.cx, c.cy, c.k1 * factor * factor, 0, 0, 0, 0};
+      const StatedHeight found = largest_height(test::measured(scenario, plan));
+      EXPECT_LT(found.u_mm, 0.01 * kSwing_mm) << "seed " << seed;
+      EXPECT_NEAR(found.mm, kSwing_mm, 3.0 * found.u_mm) << factor << ", seed " << seed;
+    }
   }
 }
 

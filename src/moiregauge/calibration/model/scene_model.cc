@@ -78,13 +78,7 @@ BundleSolution at_focal_length(BundleSolution solution, double factor) {
   return solution;
 }
 
-// Returns a start for a smaller model. What is outside the model keeps its value in `best`, which is that of the prior.
-BundleSolution start_for(const SceneModel& model, BundleSolution from, const BundleSolution& best) {
-  Camera& camera = from.scene.camera;
-  if (!model.radial) camera = best.scene.camera, from.frames = best.frames;
-  if (!model.tangential) camera.p1 = best.scene.camera.p1, camera.p2 = best.scene.camera.p2;
-  return from;
-}
+bool is_given(const ScenePrior& prior) { return prior.u_camera[0] < kUnknownFocal * prior.camera.fx; }
 
 // Settings of a choice between models. `penalty`: of BIC, per parameter.
 struct Choice {
@@ -111,11 +105,13 @@ BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePr
   const auto solve = [&](const SceneModel& model, const Scene& scene, std::span<const BundleFrame> frames) {
     return bundle.solve(model, scene, frames, FocalLength::kAsModel, choice.selection.until);
   };
-  const auto solve_heights = [&](const BundleSolution& from) {
+  // Outside the model, a given lens stays as given. An unknown one stays as `from` has it: that is nearer to the true lens
+  // than the prior, and u is linear there.
+  const auto solve_heights = [&](BundleSolution from) {
     SceneModel model = best.scene.model;
     model.heights = model.depth = true;
-    const BundleSolution start = start_for(model, from, best);
-    return solve(model, start.scene, start.frames);
+    if (is_given(prior) && !model.radial) from.scene.camera = best.scene.camera, from.frames = best.frames;
+    return solve(model, from.scene, from.frames);
   };
   const SceneModel everything = everything_with(best.scene.model);
   BundleSolution all = solve(everything, best.scene, best.frames);
@@ -125,7 +121,7 @@ BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePr
     take_if_better(solve_heights({*std::move(start), best.frames}));
   if (prior.u_camera[0] > 0.0 && best.scene.camera.fx > kLongFocal * side) {
     const BundleSolution start = at_focal_length(best, kShortFocal * side / best.scene.camera.fx);
-    if (best.scene.model.radial) take_if_better(solve_heights(start));
+    take_if_better(solve_heights(start));
     take_if_better(solve(everything, start.scene, start.frames));
   }
   return best;
