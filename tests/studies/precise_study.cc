@@ -152,8 +152,8 @@ std::array<double, kCameraParameters> exact_lens(const Camera& lens) {
 
 // Makes the long runs. Only positions are drawn; gratings and heights are exact, so that the remaining errors are those of
 // the method. In frames of large rotations an uncertain height of the target would dominate. A lens that is known to its
-// usual u would be solved within it. The bound is that of the measured frames. The full bound requires four images per marker, so it is computed
-// for every tenth frame only.
+// usual u would be solved within it. The bound is that of the measured frames. The full bound requires four images per
+// marker, so it is computed for every tenth frame only.
 CaseTally long_runs(const PreciseCase& c, const Words& words) {
   CaseTally tally;
   const int runs = words.runs >= 0 ? words.runs : c.runs;
