@@ -95,10 +95,10 @@ std::optional<std::string> still_camera_note(const Scene& scene, std::span<const
 
 namespace {
 
-// Returns the largest change of a removed movement since the reference frame, with the frame of its largest height.
+// Largest change of a removed movement since the reference frame, along each axis.
 struct LargestMovement {
-  Eigen::Vector4d of = Eigen::Vector4d::Zero();
-  const BundleFrame* highest = nullptr;
+  Eigen::Vector4d change = Eigen::Vector4d::Zero();
+  const BundleFrame* highest = nullptr;  // frame of the largest height; null: no height was removed
 };
 
 LargestMovement largest_movement(std::span<const BundleFrame> frames, std::size_t marker) {
@@ -106,20 +106,21 @@ LargestMovement largest_movement(std::span<const BundleFrame> frames, std::size_
   for (const BundleFrame& frame : frames) {
     if (frame.removed.empty() || frames.front().removed.empty()) continue;
     const Eigen::Vector4d moved = (frame.removed[marker] - frames.front().removed[marker]).cwiseAbs();
-    if (moved(MovementAxis::kHeight) > most.of(MovementAxis::kHeight)) most.highest = &frame;
-    most.of = most.of.cwiseMax(moved);
+    if (moved(MovementAxis::kHeight) > most.change(MovementAxis::kHeight)) most.highest = &frame;
+    most.change = most.change.cwiseMax(moved);
   }
   return most;
 }
 
-// Returns the standard uncertainty of the largest height, mm. `noise_mm`: that by noise of one frame.
-double u_of_height(const Scene& scene, const LargestMovement& most, const BundleFrame& then, double noise_mm) {
-  const Eigen::MatrixXd& covariance = scene.stated_covariance();
-  const double u_focal = covariance.size() > 0 ? std::sqrt(covariance(0, 0)) / scene.camera.fx : 0.0;
-  const double u_size_mm = most.highest == nullptr ? 0.0
-                                                   : u_of_size(most.highest->pose, then.pose, Eigen::Vector3d::Zero()) *
-                                                         most.highest->pose.shift[2];
-  return std::hypot(std::hypot(std::sqrt(2.0) * noise_mm, u_size_mm), u_focal * most.of(MovementAxis::kHeight));
+// Returns the standard uncertainty of a target's largest height, mm. `noise_mm`: that by noise of one frame.
+double u_of_height(const BundleSolution& solved, const LargestMovement& most, std::size_t marker, double noise_mm) {
+  if (most.highest == nullptr) return std::sqrt(2.0) * noise_mm;
+  const BundleFrame &now = *most.highest, &then = solved.frames.front();
+  const Eigen::Vector3d turned = (now.removed[marker] - then.removed[marker]).tail<3>();
+  const double u_size_mm = u_of_size(now.pose, then.pose, turned) * now.pose.shift[2];
+  const Eigen::MatrixXd& covariance = solved.scene.stated_covariance();
+  const double u_focal = covariance.size() > 0 ? std::sqrt(covariance(0, 0)) / solved.scene.camera.fx : 0.0;
+  return std::hypot(std::sqrt(2.0) * noise_mm, u_size_mm, u_focal * most.change(MovementAxis::kHeight));
 }
 
 }  // namespace
@@ -130,13 +131,13 @@ std::vector<std::string> movement_notes(const Site& site, const MovementRemoval&
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     const TargetMovement& movement = removal.movement(i);
     const LargestMovement largest = largest_movement(solved.frames, i);
-    const Eigen::Vector4d &most = largest.of, u = std::sqrt(2.0) * movement.u;
+    const Eigen::Vector4d &most = largest.change, u = std::sqrt(2.0) * movement.u;
     if (movement.leaves_plane())
       out.push_back(
           fmt::format("note: '{}' moves towards or away from the camera, by up to {:.3g} mm (u {:.2g} mm). Its "
                       "displacement is corrected for it",
                       site.markers[i].name, most(MovementAxis::kHeight),
-                      u_of_height(solved.scene, largest, solved.frames.front(), movement.u(MovementAxis::kHeight))));
+                      u_of_height(solved, largest, i, movement.u(MovementAxis::kHeight))));
     if (!movement.rotates()) continue;
     const RotationCentre& centre = removal.centre(i);
     const std::string point = centre.is_middle
