@@ -32,16 +32,11 @@ PrintError print_error_of(const Site& site, const BundleSolution& solution, std:
                                             FocalLength::kAsModel, Until::kChi2Converged);
   if (!largest.scene.solved) return {};
   const auto fits = fits_of(site, largest);
-  PrintError error;
-  error.marker_jitter_mm = marker_jitter_mm(site, largest, fits, prior, last.marker_jitter_mm);
-  const auto with_jitter = with_print_error(site, noise_alone, {.marker_jitter_mm = error.marker_jitter_mm});
-  error.points_mm = print_error_mm(site, largest.scene, with_jitter, fits, prior);
+  const double jitter_mm = marker_jitter_mm(site, largest, fits, prior, last.marker_jitter_mm);
+  const auto with_jitter = with_print_error(site, noise_alone, {.marker_jitter_mm = jitter_mm});
+  PrintError error = print_error(site, largest.scene, with_jitter, fits, prior);
+  error.marker_jitter_mm = jitter_mm;
   return error;
-}
-
-bool is_the_same(const PrintError& a, const PrintError& b) {
-  return std::abs(a.points_mm - b.points_mm) <= kSameError * a.points_mm &&
-         std::abs(a.marker_jitter_mm - b.marker_jitter_mm) <= kSameError * a.marker_jitter_mm;
 }
 
 // Least fraction of the excess of chi2 over dof that the rotation must explain. Six of some eighty degrees of freedom
@@ -160,8 +155,8 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
   if (options.tilts) try_tilts(site, frames, given, *solution, best);
   for (int round = 0; round < kErrorRounds; ++round) {
     const PrintError error = print_error_of(site, *solution, frames, prior, best.print_error);
-    if (is_the_same(error, best.print_error)) break;
-    const Selection selection{error.points_mm > 0.0 ? Prints::kRough : Prints::kPerfect, options.until};
+    if (are_alike(best.print_error, error, kSameError)) break;
+    const Selection selection{error.has_rough_prints() ? Prints::kRough : Prints::kPerfect, options.until};
     const auto weighed = with_print_error(site, frames, error);
     auto again = select_scene_model(site, weighed, prior, selection);
     if (!again) break;
@@ -172,8 +167,7 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
     best.print_error = error;
   }
   best.bundle = *std::move(solution);
-  if (best.print_error.points_mm > 0.0 || best.print_error.marker_jitter_mm > 0.0)
-    best.fits = fits_of(site, best.bundle);
+  if (best.print_error.exceeds_noise()) best.fits = fits_of(site, best.bundle);
   Scene& scene = best.bundle.scene;
   scene.covariance = scene_covariance(site, best.fits, prior, scene.model);
   const double u_stretch = std::sqrt(scene.covariance(kStretchParameter, kStretchParameter));

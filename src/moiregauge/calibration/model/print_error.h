@@ -13,27 +13,45 @@
 namespace moiregauge::internal {
 
 struct PrintError {
-  // Standard uncertainty (k = 1) of each coordinate of the nine points. It counts once per point and once in common,
-  // because errors of a grating extend over its neighbourhood.
-  double points_mm = 0.0;
+  // Standard uncertainty (k = 1) of each coordinate of the nine points, mm. It counts once per point and once in
+  // common, because errors of a grating extend over its neighbourhood. All references share one. Each target has its
+  // own: one per site marker, or empty if there is none. Otherwise a deformed target would loosen the references, and
+  // lens and tilts would follow it.
+  double references_mm = 0.0;
+  std::vector<double> targets_mm = {};
   // Common to the nine points only: the marker jitter.
   double marker_jitter_mm = 0.0;
   // True noise of the points relative to the noise from pixel residuals (ratio of u).
   double noise_share = 1.0;
+
+  // Returns the print error of a site's marker, mm.
+  [[nodiscard]] double of_marker(const Site& site, std::size_t marker) const {
+    if (site.markers[marker].role == Role::kReference) return references_mm;
+    return marker < targets_mm.size() ? targets_mm[marker] : 0.0;
+  }
+  // Returns true if the points of any print exceed noise.
+  [[nodiscard]] bool has_rough_prints() const;
+  // Returns true if anything is added to the noise.
+  [[nodiscard]] bool exceeds_noise() const { return has_rough_prints() || marker_jitter_mm > 0.0; }
 };
+
+// Returns true if print errors and marker jitter differ by no more than `share` of the second.
+[[nodiscard]] bool are_alike(const PrintError& a, const PrintError& b, double share);
 
 // Returns the frames with this error included in the points' covariance.
 [[nodiscard]] std::vector<BundleFrame> with_print_error(const Site& site, std::span<const BundleFrame> frames,
                                                         const PrintError& error);
 
-// Returns the print error u_p in mm: with it chi2 equals its degrees of freedom. It is 0 if noise explains chi2, and at
-// most 0.05 pitch. All parameters must be free in the scene. Otherwise an excluded height counts as print error.
+// Returns the print errors u_p in mm: with them, chi2 of the references and of each target equals its degrees of
+// freedom. They are 0 where noise explains chi2, and at most 0.05 pitch. All parameters must be free in the scene.
+// Otherwise an excluded height counts as print error. The result has no jitter and noise share 1.
+// With a rolling shutter all prints share one print error.
 //
 // `frames`: covariance of noise and marker jitter only, with solved poses and shifts.
 // `fits`: fits of these frames to the scene, with any print error.
 // `prior`: of the scene. Parameters that the footage determines cost degrees of freedom.
-[[nodiscard]] double print_error_mm(const Site& site, const Scene& scene, std::span<const BundleFrame> frames,
-                                    std::span<const FrameFit> fits, const ScenePrior& prior);
+[[nodiscard]] PrintError print_error(const Site& site, const Scene& scene, std::span<const BundleFrame> frames,
+                                     std::span<const FrameFit> fits, const ScenePrior& prior);
 
 // Returns the true noise of the points relative to that from the pixel residuals (ratio of u, at most 1). Residuals
 // also contain the template's errors at edges, which are the same in all frames. Then chi2 is below its degrees of

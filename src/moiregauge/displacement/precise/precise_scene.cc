@@ -58,7 +58,7 @@ bool is_same_scene(const Calibration& a, const Calibration& b) {
   const auto is_same = [](double now, double then) { return std::abs(now - then) <= kSameScene * std::abs(then); };
   return is_same(a.bundle.scene.camera.fx, b.bundle.scene.camera.fx) &&
          is_same(a.bundle.scene.chi2_dof, b.bundle.scene.chi2_dof) &&
-         is_same(a.print_error.points_mm, b.print_error.points_mm);
+         are_alike(a.print_error, b.print_error, kSameScene);
 }
 
 class SceneSolver {
@@ -358,7 +358,7 @@ class SceneSolver {
   void take_noise_for_what_it_is() {
     Calibration& calibration = out_.calibration;
     PrintError& error = out_.print_error;
-    if (error.points_mm > 0.0 || error.marker_jitter_mm > 0.0) return;
+    if (error.exceeds_noise()) return;
     error.noise_share = noise_share(site_, calibration.bundle.scene.model, calibration.fits, calibration.prior);
     if (!(error.noise_share < 1.0)) return;
     const auto frames = with_print_error(site_, calibration.bundle.frames, error);
