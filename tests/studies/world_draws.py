@@ -4,7 +4,7 @@ import math
 import random
 
 GROUPS = ["clean", "rolling, stated", "rolling, not stated", "tone curve", "shadow and flicker", "fast vibration", "out of plane", "covered target",
-          "low light", "strong lens", "far small prints", "telephoto", "drone", "rotating targets", "tilted prints"]
+          "low light", "strong lens", "far small prints", "telephoto", "drone", "rotating targets", "tilted prints", "rolling, vibrating"]
 STATEMENTS = {  # [known_to]: position mm, rotation deg, height mm, print scale
     "default": (1.0, 0.3, 3.0, 0.0005),
     "taped": (0.5, 0.2, 1.0, 0.0005),
@@ -32,6 +32,7 @@ def base_factors(rng):
         "gloss": rng.uniform(0, 0.05), "move_pitch": 10 ** rng.uniform(-2.5, -0.45), "move_hz": 10 ** rng.uniform(-1, 0.5),
         "move": rng.choice(["sine", "step", "ramp", "mixed", "still"]), "turn_mrad": rng.choice([0.0, 0.0, rng.uniform(0, 2)]),
         "mount_mrad": 0.0, "dz_mm": 0.0, "target_z_share": rng.choice([0.0, 0.0, rng.uniform(-0.02, 0.01)]), "leaf": 0.0, "state_readout": 0,
+        "shake_deg": 0.0, "shake_hz": 0.0,
     }
     return f
 
@@ -39,6 +40,9 @@ def base_factors(rng):
 def of_group(group, f, rng):
     """Changes the factors of a clean recording to those of a group."""
     if group.startswith("rolling"):
+        if group == "rolling, vibrating":
+            group = rng.choice(["rolling, stated", "rolling, not stated"])
+            f.update(shake_deg=10 ** rng.uniform(-2.7, -1.5), shake_hz=rng.uniform(20, 160))
         f.update(readout_ms=rng.uniform(8, 30), fps=30.0, frames=40, sway_hz=rng.uniform(0.8, 3.0), sway_deg=rng.uniform(0.1, 0.5), exposure_ms=rng.choice([1.0, 4.0]),
                  state_readout=int(group == "rolling, stated"), time_samples=2)
     elif group == "tone curve":
@@ -163,6 +167,8 @@ def camera_lines(f, rng, distance):
         lines.append(f"camera.{axis}_mm {sway(rng, -distance * at, 0.0, share, f['sway_hz'] * rng.uniform(0.6, 1.4))}")
     for axis, at in zip("xyz", turn):
         track = sway(rng, at, math.radians(f["drift_deg_s"]) * rng.uniform(-1, 1), math.radians(f["sway_deg"]), f["sway_hz"] * rng.uniform(0.6, 1.4))
+        if f["shake_deg"]:
+            track += " sin " + word(math.radians(f["shake_deg"]) * rng.uniform(0.3, 1), f["shake_hz"] * rng.uniform(0.9, 1.1), rng.uniform(0, 6.28))
         if f["jolt_deg"]:
             track += " jolt " + word(math.radians(f["jolt_deg"]) * rng.uniform(0.3, 1), 1.0 + rng.random(), rng.uniform(2, 4), 0.3)
         lines.append(f"camera.turn_{axis}_rad {track}")

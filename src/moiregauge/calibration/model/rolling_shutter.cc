@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "moiregauge/calibration/model/chi2.h"
+#include "moiregauge/calibration/model/fast_vibration.h"
 #include "moiregauge/calibration/scene/frame_pose.h"
 #include "moiregauge/calibration/scene/patch_residual.h"
 #include "moiregauge/units/units.h"
@@ -169,6 +170,7 @@ class RollingShutterSolver {
       is_last = !is_last && round >= 2 && std::abs(out_.readout_s - before) < kConvergedShare * out_.u_readout_s;
     }
     count_cost();
+    allow_for_fast_vibration();
     return std::move(out_);
   }
 
@@ -375,6 +377,19 @@ class RollingShutterSolver {
         expected += c < kPathParameters ? p(0, 0) : p(1, 1);
       }
       if (expected > 0.0) wider_[c] = std::clamp(wider_[c] * found / expected, 1.0, kMaxWidening);
+    }
+  }
+
+  // Widens u_target by vibration that rate and acceleration do not describe.
+  void allow_for_fast_vibration() {
+    const Motion mean = mean_motion();
+    std::vector<MotionBeyondPath> motions;
+    for (const std::size_t k : key_) {
+      if (fits_[k].ok && fits_[k].motion_variance) motions.push_back({out_.frames[k], fits_[k].motion - mean});
+    }
+    const auto u = u_of_fast_vibration(site_, motions);
+    for (auto& frame : out_.u_target) {
+      for (auto& target : frame) target = {std::hypot(target.x, u.x), std::hypot(target.y, u.y)};
     }
   }
 

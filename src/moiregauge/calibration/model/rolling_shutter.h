@@ -20,7 +20,8 @@ struct Shutter {
   Calibration calibration;
   FrameSeries with_movements;  // all frames, points at frame time
   FrameSeries frames;          // the same without the movements of targets beyond displacement
-  // Uncertainty from the target's motion during readout, mm, by frame, then site marker.
+  // Uncertainty from the target's motion during readout and from fast vibration of the camera (u_of_fast_vibration), mm,
+  // by frame, then site marker.
   std::vector<std::vector<Extent<frame::Board>>> u_target;
   double readout_s = 0.0;  // negative: the readout starts at the opposite end of the image
   double u_readout_s = 0.0;

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/calibration/model/fast_vibration.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace moiregauge::internal {
+namespace {
+
+using Points = Eigen::Matrix<double, 2 * kPatchPoints, 1>;  // displacements of the nine points, pitches: x, then y
+
+// Returns the squared displacement of a grating along both axes, mm^2.
+Eigen::Array2d squared(const Points& points, double pitch_mm) {
+  return Eigen::Array2d(points.head<kPatchPoints>().mean(), points.tail<kPatchPoints>().mean()).square() * pitch_mm *
+         pitch_mm;
+}
+
+}  // namespace
+
+Extent<frame::Board> u_of_fast_vibration(const Site& site, std::span<const MotionBeyondPath> motions) {
+  Eigen::Array2d by_rate(0.0, 0.0), by_acceleration(0.0, 0.0), by_both(0.0, 0.0);
+  double count = 0.0;
+  for (const auto& [frame, motion] : motions) {
+    for (std::size_t i = 0; i < site.markers.size(); ++i) {
+      const Marker& marker = site.markers[i];
+      if (marker.role != Role::kReference || !frame.points[i] || !marker.grating) continue;
+      const auto& by_motion = frame.rows->by_marker[i];
+      const Points rate = by_motion.leftCols<6>() * motion.head<6>();
+      const Points acceleration = by_motion.middleCols<6>(6) * motion.tail<6>();
+      by_rate += squared(rate, marker.grating->pitch_mm);
+      by_acceleration += squared(acceleration, marker.grating->pitch_mm);
+      by_both += squared(rate + acceleration, marker.grating->pitch_mm);
+      count += 1.0;
+    }
+  }
+  if (!(by_rate.sum() > 0.0)) return {};
+  const double phase = 2.0 * std::sqrt(by_acceleration.sum() / by_rate.sum());  // w t, rad
+  const double share = std::min(1.0, phase * phase * std::max(1.0, phase) / 6.0);
+  return {share * std::sqrt(by_both.x() / count), share * std::sqrt(by_both.y() / count)};
+}
+
+}  // namespace moiregauge::internal
