@@ -387,7 +387,8 @@ class RollingShutterSolver {
     for (const std::size_t k : key_) {
       if (fits_[k].ok && fits_[k].motion_variance) motions.push_back({out_.frames[k], fits_[k].motion - mean});
     }
-    const auto u = u_of_fast_vibration(site_, motions);
+    out_.vibration = fast_vibration(site_, motions, out_.calibration.shutter.chi2_dof);
+    const auto& u = out_.vibration.u_mm;
     for (auto& frame : out_.u_target) {
       for (auto& target : frame) target = {std::hypot(target.x, u.x), std::hypot(target.y, u.y)};
     }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "moiregauge/calibration/model/calibrate.h"
+#include "moiregauge/calibration/model/fast_vibration.h"
 #include "moiregauge/calibration/model/target_movement.h"
 #include "moiregauge/calibration/rolling_shutter/row_motion.h"
 
@@ -20,9 +21,10 @@ struct Shutter {
   Calibration calibration;
   FrameSeries with_movements;  // all frames, points at frame time
   FrameSeries frames;          // the same without the movements of targets beyond displacement
-  // Uncertainty from the target's motion during readout and from fast vibration of the camera (u_of_fast_vibration), mm,
+  // Uncertainty from the target's motion during readout and from fast vibration of the camera (`vibration`), mm,
   // by frame, then site marker.
   std::vector<std::vector<Extent<frame::Board>>> u_target;
+  FastVibration vibration;
   double readout_s = 0.0;  // negative: the readout starts at the opposite end of the image
   double u_readout_s = 0.0;
   double motion_cost = 0.0;  // chi2 of the motions' prior, over the key frames

@@ -246,7 +246,8 @@ Samples FramesInScene::measure_one(const Observation& seen, const std::optional<
 
 // No row of a scene in doubt is trusted.
 Sample FramesInScene::judged(Sample sample) const {
-  const bool is_doubtful = solved_.doubtful || solved_.camera_contradicted || solved_.height_contradicted;
+  const bool is_doubtful = solved_.doubtful || solved_.camera_contradicted || solved_.height_contradicted ||
+                           (solved_.shutter && solved_.shutter->vibration.is_too_large);
   if (is_doubtful && sample.frame != reference_.seen.frame && sample.status == Status::kOk)
     sample.status = Status::kUntrusted;
   return sample;

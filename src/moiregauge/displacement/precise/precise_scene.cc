@@ -81,6 +81,7 @@ class SceneSolver {
       out_.problem = "no camera path explains the rolling shutter, so no row is trusted";
     out_.print_error = out_.calibration.print_error;
     if (!out_.problem.empty()) return std::move(out_);
+    if (out_.shutter && out_.shutter->vibration.is_too_large) report_vibration();
     if (reference_.knows_camera() && !out_.doubtful) test_camera();
     if (!out_.doubtful && !out_.camera_contradicted) test_heights(lossy);
     if (!lossy && !out_.shutter) take_noise_for_what_it_is();
@@ -331,6 +332,14 @@ class SceneSolver {
       const int row = shape_row(found.marker, MarkerShape::kHeight);
       out_.calibration.bundle.scene.full_covariance(row, row) += std::pow(depth_u_mm(found), 2);
     }
+  }
+
+  void report_vibration() {
+    out_.remedy = "fasten or damp the camera, or use one with a shorter readout or a global shutter";
+    note(fmt::format(
+        "no row is trusted: the camera vibrates within the readout of its rolling shutter, by {:.2g} mm at the "
+        "references. Their rows do not show it well enough. Remedy: {}",
+        out_.shutter->vibration.displaced_mm, out_.remedy));
   }
 
   void test_camera() {
