@@ -12,6 +12,8 @@ namespace {
 // pitch. At 0.13 pitch, with a chi2/dof of 130, rows were off by 11 u. Chosen.
 constexpr double kMaxFast_pitches = 0.01, kMaxUnfitted_pitches = 0.05;
 constexpr double kMaxChi2 = 4.0;
+// chi2/dof up to which rate and acceleration describe the motion: 1.4 for a hand at 6 Hz, 2.4 at 42 Hz. Chosen.
+constexpr double kDescribed = 2.0;
 
 using Points = Eigen::Matrix<double, 2 * kPatchPoints, 1>;  // displacements of the nine points, pitches: x, then y
 
@@ -40,7 +42,7 @@ FastVibration fast_vibration(const Site& site, std::span<const MotionBeyondPath>
       pitch_mm = std::max(pitch_mm, marker.grating->pitch_mm);
     }
   }
-  if (!(by_rate.sum() > 0.0)) return {};
+  if (!(by_rate.sum() > 0.0 && chi2_dof > kDescribed)) return {};
   const double phase = 2.0 * std::sqrt(by_acceleration.sum() / by_rate.sum());  // w t, rad
   const double share = std::min(1.0, phase * phase * std::max(1.0, phase) / 6.0);
   const double displaced_mm = std::sqrt(by_both.sum() / count);

@@ -29,7 +29,7 @@ struct FastVibration {
 // and frames, divided by w t. For w t above 1 it is D: of a fast vibration, rate and acceleration show too low a
 // frequency. u is at most D. The vibration is too large if w t exceeds 1 and D
 // 0.01 pitch. It is also too large if D exceeds 0.05 pitch and the frames still contradict the scene.
-// Zero without motion beyond the path.
+// Zero without motion beyond the path, or if the frames fit the scene (chi2_dof up to 2).
 //
 // `chi2_dof`: chi2 per degree of freedom of the scene with these motions.
 [[nodiscard]] FastVibration fast_vibration(const Site& site, std::span<const MotionBeyondPath> motions,
