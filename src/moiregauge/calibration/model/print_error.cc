@@ -92,6 +92,7 @@ bool is_shared(std::span<const BundleFrame> frames) { return !frames.empty() && 
 // Returns the groups of prints: one per target, in the place of its site marker, and that of all references last.
 std::vector<Group> groups_of(const Site& site, const Scene& scene, std::span<const BundleFrame> frames,
                              std::span<const FrameFit> fits, const Eigen::VectorXd& known) {
+  const bool shared = is_shared(frames);
   std::vector<Group> groups(site.markers.size() + 1);
   Group& references = groups.back();
   references.dof = -known.sum();
@@ -101,7 +102,7 @@ std::vector<Group> groups_of(const Site& site, const Scene& scene, std::span<con
     for (std::size_t i = 0; i < site.markers.size(); ++i) {
       const Marker& marker = site.markers[i];
       if (!frames[k].points[i] || !marker.grating) continue;
-      const bool is_own = marker.role != Role::kReference && !is_shared(frames);
+      const bool is_own = marker.role != Role::kReference && !shared;
       Group& group = is_own ? groups[i] : references;
       const PatchResidual patch(*frames[k].points[i], marker);
       const auto design = fitted_design(patch, scene, frames[k], fits[k], i);
