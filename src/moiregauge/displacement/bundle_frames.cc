@@ -22,9 +22,12 @@ std::vector<bool> usable_points(const Reference& reference, const Observation& s
 FrameStart start_of(const Reference& reference, const Observation& seen, const Camera& camera,
                     const std::vector<BoardExtent>& travel) {
   FrameStart start{seen.frame, seen.time_s, pose_of(seen.stage2, camera), {}, usable_points(reference, seen)};
-  for (std::size_t i = 0; i < seen.markers.size(); ++i)
+  for (std::size_t i = 0; i < seen.markers.size(); ++i) {
     start.shift.push_back(is_target(reference, i) ? BoardExtent{or_zero(travel[i].x), or_zero(travel[i].y)}
                                                   : BoardExtent{});
+    start.is_flawed.push_back(is_target(reference, i) && start.has_points[i] && seen.frame != reference.seen.frame &&
+                              image_status(reference, seen.markers[i], i) != Status::kOk);
+  }
   return start;
 }
 

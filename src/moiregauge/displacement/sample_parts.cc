@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "moiregauge/observation/frame/patch_of_points.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::internal {
@@ -15,6 +16,10 @@ constexpr double kBlurredModulation = 0.5;
 constexpr double kClippedShare = 0.05;
 // u of a printed circle's centre from its outline, px, for references without a grating. Typical of real prints.
 constexpr double kPrintedCirclePx = 0.03;
+
+// Residual beyond noise relative to the template's contrast, rms, above which a grating is partly covered. It
+// corresponds to a sixteenth of hidden grating. Blur by half a pitch, with the contrast fitted, leaves 0.17. Chosen.
+constexpr double kHiddenContrast = 0.25;
 
 // Distance from the position that the circles imply, in pitches, beyond which the next lattice line is possible. Half a
 // pitch is the limit; the rest is margin. Chosen.
@@ -67,6 +72,17 @@ Status sharpness(const PatchReading& then, const PatchReading& now, double clipp
 
 Status quality(const RasterPlan& plan, const PatchReading& then, const PatchReading& now) {
   return is_bent(plan, then, now) ? Status::kPartlyCovered : sharpness(then, now);
+}
+
+Status image_status(const Reference& reference, const MarkerObservation& seen, std::size_t marker) {
+  const MarkerObservation& at_first = reference.seen.markers[marker];
+  // Paper that is clipped in both frames is in the template, too, and the edges of dark lines remain.
+  const Status sharp = sharpness(at_first.patch, seen.patch, at_first.patch.clipped_share);
+  if (sharp != Status::kOk || !seen.points || !at_first.points) return sharp;
+  if (seen.occlusion != Occlusion::kNone) return Status::kPartlyCovered;
+  const double missing = missing_contrast(*seen.points, *at_first.points, *reference.prints[marker],
+                                          rounding_of_step(reference.step_of(marker, seen.quantiser)));
+  return missing > kHiddenContrast ? Status::kPartlyCovered : Status::kOk;
 }
 
 BoardExtent with_movement_along_lines(const Grating& grating, BoardExtent displacement) {

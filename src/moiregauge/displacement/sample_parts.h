@@ -27,6 +27,10 @@ namespace moiregauge::internal {
 // Returns kPartlyCovered for a bent phase field, otherwise the result of `sharpness`.
 [[nodiscard]] Status quality(const RasterPlan& plan, const PatchReading& then, const PatchReading& now);
 
+// Returns the status of the image of a grating that was read, compared with its template: kOk, kSaturated, kBlurred or
+// kPartlyCovered.
+[[nodiscard]] Status image_status(const Reference& reference, const MarkerObservation& seen, std::size_t marker);
+
 // Returns the displacement with an assumed movement along the lines of a grating of lines, mm. The grating does not show
 // it. It is the root of the sum of squares of a tenth of the pitch and of the movement across the lines. Displacements of
 // other gratings are unchanged.

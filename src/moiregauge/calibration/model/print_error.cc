@@ -178,6 +178,17 @@ PrintError print_error(const Site& site, const Scene& scene, std::span<const Bun
   return out;
 }
 
+double error_in_frame(const Site& site, const Scene& scene, const BundleFrame& frame, const FrameFit& fit,
+                      std::size_t target) {
+  const auto& grating = site.markers[target].grating;
+  if (!frame.points[target] || !grating || fit.shift_row[target] < 0) return 0.0;
+  if (fit.chi2[target] <= chi2_upper_quantile(kSize - 2.0)) return 0.0;  // most rows
+  const PatchResidual patch(*frame.points[target], site.markers[target]);
+  const auto design = fitted_design(patch, scene, frame, fit, target);
+  return error_of(
+      {{whitened(patch, design, grating->pitch_mm)}, dof_of_target(patch, design, fit, target), grating->pitch_mm});
+}
+
 double noise_share(const Site& site, const SceneModel& model, std::span<const FrameFit> fits, const ScenePrior& prior) {
   double chi2 = 0.0, dof = -determined(site, fits, prior, model).sum();
   for (const FrameFit& fit : fits) {

@@ -152,7 +152,7 @@ class RollingShutterSolver {
       // Earlier rounds only improve the path, so they need no full convergence. Tilts would follow what is left of the
       // readout.
       out_.calibration =
-          calibrate(site_, out_.frames.at(key_), prior_,
+          calibrate(site_, out_.frames.flawless(key_), prior_,
                     {.until = is_last ? Until::kConverged : Until::kChi2Converged, .tilts = is_last || tilts});
       if (!out_.calibration.bundle.scene.solved) return without(out_.calibration.bundle.scene.problem);
       if (round == 0 && !(chi2_dof_at_once_ > 0.0)) chi2_dof_at_once_ = out_.calibration.shutter.chi2_dof;

@@ -20,6 +20,9 @@ struct FrameStart {
   Pose pose;                                // start value
   std::vector<Extent<frame::Board>> shift;  // start values for the targets, one per site marker, mm
   std::vector<bool> has_points;             // one per site marker
+  // Targets whose image is blurred, clipped or partly covered, one per site marker or empty. They do not determine the
+  // scene.
+  std::vector<bool> is_flawed = {};
 };
 
 class FrameSeries {
@@ -40,6 +43,18 @@ class FrameSeries {
   [[nodiscard]] std::vector<BundleFrame> at(std::span<const std::size_t> places) const {
     std::vector<BundleFrame> out;
     for (const std::size_t k : places) out.push_back(make_(k));
+    return out;
+  }
+
+  // Returns these frames without flawed targets.
+  [[nodiscard]] std::vector<BundleFrame> flawless(std::span<const std::size_t> places) const {
+    std::vector<BundleFrame> out = at(places);
+    for (std::size_t n = 0; n < places.size(); ++n) {
+      const std::vector<bool>& is_flawed = (*starts_)[places[n]].is_flawed;
+      for (std::size_t i = 0; i < is_flawed.size(); ++i) {
+        if (is_flawed[i]) out[n].points[i].reset();
+      }
+    }
     return out;
   }
 

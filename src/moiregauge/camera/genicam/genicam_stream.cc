@@ -12,6 +12,14 @@ namespace {
 
 // Buffers of one camera (chosen): 0.4 s of the paper's camera, in 142 MB.
 constexpr int kBuffers = 16;
+// Frames that the socket holds while the receiving thread waits for a processor. One is not enough: the system counts up
+// to twice a packet's size, and the next frame follows at once. Chosen; the system limits it to net.core.rmem_max.
+constexpr guint kSocketFrames = 4;
+
+gint socket_bytes(guint frame_bytes) {
+  constexpr guint kMost = G_MAXINT / kSocketFrames;
+  return static_cast<gint>(kSocketFrames * std::min(frame_bytes, kMost));
+}
 
 using Completion = std::atomic<std::int64_t>;  // ns, steady_clock; user data of every buffer
 
@@ -60,7 +68,8 @@ tl::expected<void, std::string> GenicamStream::run() {
   if (!error && bytes > 0)
     stream_.reset(arv_camera_create_stream(camera_.get(), note_completion, nullptr, error.out()));
   if (stream_ != nullptr && arv_camera_is_gv_device(camera_.get()))
-    g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_AUTO, nullptr);
+    g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
+                 socket_bytes(bytes), nullptr);
   if (stream_ == nullptr)
     return tl::unexpected(fmt::format("the camera sends no frames ({}): camera: close other programs that use it",
                                       error ? error.text() : "no image size"));

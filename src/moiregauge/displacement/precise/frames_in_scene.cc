@@ -20,6 +20,9 @@ namespace {
 // Largest noise of an axis that the grating shows; beyond it the axis is NaN. Chosen.
 constexpr double kShownWithin = 0.25;  // pitches
 
+// Estimates of a target's error in one frame. Each starts from a pose that the target bends less. Chosen.
+constexpr int kOwnErrorRounds = 3;
+
 // Returns the noise of a displacement.
 Extent<frame::Board> noise_of(const Budget& b) { return hypot3(b.noise, b.references, b.reference_frame); }
 
@@ -124,9 +127,10 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
     solved.heights.clear();
     solved.u_by_movement.clear();
     if (place[n] > 0) {
-      const BundleFrame read = solved_.frames[place[n]], frame = placed(read);
+      const BundleFrame read = solved_.frames[place[n]];
+      BundleFrame frame = placed(read);
+      solved.now = fit_with_own_errors(frame, FrameDetail::kSamples);
       solved.u_by_movement = u_by_movement(frame);
-      solved.now = fit_frame(site_, scene_, frame, FrameDetail::kSamples);
       solved.heights = shown_heights(site_, scene_, read, solved.now);
       if (by_noise_) solved.by_noise.now = fit_by_noise(place[n], frame);
     }
@@ -186,8 +190,8 @@ FittedFrame FramesInScene::reference_fit() const {
 
 FittedFrame FramesInScene::fit_of(std::size_t place) const {
   FittedFrame out;
-  const BundleFrame frame = placed(solved_.frames[place]);
-  out.fit = fit_frame(site_, scene_, frame);
+  BundleFrame frame = placed(solved_.frames[place]);
+  out.fit = fit_with_own_errors(frame, FrameDetail::kScene);
   out.rotations = rotations_in(place, frame, out.fit);
   if (by_noise_) out.by_noise = fit_by_noise(place, frame);
   out.u_motion = u_motion(place);
@@ -227,8 +231,8 @@ Samples FramesInScene::measure_one(const Observation& seen, const std::optional<
                                    const std::vector<bool>& is_far) const {
   SolvedFrame solved;
   if (read) {
-    const BundleFrame frame = placed(*read);
-    solved.now = fit_frame(site_, scene_, frame, FrameDetail::kSamples);
+    BundleFrame frame = placed(*read);
+    solved.now = fit_with_own_errors(frame, FrameDetail::kSamples);
     solved.heights = shown_heights(site_, scene_, *read, solved.now);
     solved.u_by_movement = u_by_movement(frame);
   }
@@ -264,6 +268,21 @@ BundleFrame FramesInScene::placed(const BundleFrame& seen) const {
   frame.pose = pose_of(site_, scene_, frame).value_or(frame.pose);
   frame.at_rest = false;
   return frame;
+}
+
+// Fits a frame, and adds to its targets' points the error that they have in this frame alone. Without it, a target that
+// is blurred here would move the pose, and the other targets would seem to contradict the scene.
+FrameFit FramesInScene::fit_with_own_errors(BundleFrame& frame, FrameDetail detail) const {
+  FrameFit fit = fit_frame(site_, scene_, frame, detail);
+  for (int round = 0; round < kOwnErrorRounds && fit.ok; ++round) {
+    PrintError own;
+    for (std::size_t i = 0; i < site_.markers.size(); ++i)
+      own.targets_mm.push_back(is_target(reference_, i) ? error_in_frame(site_, scene_, frame, fit, i) : 0.0);
+    if (!own.exceeds_noise()) break;
+    frame = with_print_error(site_, std::span(&frame, 1), own).front();
+    fit = fit_frame(site_, scene_, frame, detail);
+  }
+  return fit;
 }
 
 // Fits a frame from the result of another fit of it.

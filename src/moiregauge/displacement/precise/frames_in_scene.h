@@ -49,6 +49,7 @@ class FramesInScene {
  private:
   [[nodiscard]] BundleFrame weighed(const BundleFrame& frame) const;
   [[nodiscard]] BundleFrame placed(const BundleFrame& seen) const;
+  [[nodiscard]] FrameFit fit_with_own_errors(BundleFrame& frame, FrameDetail detail) const;
   [[nodiscard]] FrameFit fit_by_noise(std::size_t place, const BundleFrame& from) const;
   [[nodiscard]] FrameRotations rotations_in(std::size_t place, BundleFrame frame, const FrameFit& fit) const;
   [[nodiscard]] FittedFrame reference_fit() const;

@@ -8,30 +8,13 @@
 #include <fmt/format.h>
 
 #include "moiregauge/displacement/sample_parts.h"
-#include "moiregauge/observation/frame/patch_of_points.h"
 
 namespace moiregauge::internal {
 namespace {
 
-// Residual beyond noise relative to the template's contrast, rms, above which a grating is partly covered. It
-// corresponds to a sixteenth of hidden grating. Blur by half a pitch, with the contrast fitted, leaves 0.17. Chosen.
-constexpr double kHiddenContrast = 0.25;
-
 constexpr double kSureAlone = 6.0;     // coverage factor of a single row, whose number of frames is unknown. Chosen.
 constexpr double kSurely = 2.0;        // coverage factor of a least value
 constexpr double kFalseAlarms = 1e-3;  // per run; chosen
-
-// Returns the status of a grating's image: kOk, or its fault.
-Status quality_of(const Reference& reference, const MarkerObservation& seen, std::size_t i) {
-  const PatchReading& then = reference.seen.markers[i].patch;
-  // Paper that is clipped in both frames is in the template, too, and the edges of dark lines remain.
-  const Status sharp = sharpness(then, seen.patch, then.clipped_share);
-  if (sharp != Status::kOk || !seen.points || !reference.seen.markers[i].points) return sharp;
-  if (seen.occlusion != Occlusion::kNone) return Status::kPartlyCovered;
-  const double missing = missing_contrast(*seen.points, *reference.seen.markers[i].points, *reference.prints[i],
-                                          rounding_of_step(reference.step_of(i, seen.quantiser)));
-  return missing > kHiddenContrast ? Status::kPartlyCovered : Status::kOk;
-}
 
 // Returns the coverage factor that the largest of `rows` normal variables exceeds with less than that chance.
 double sure_among(std::size_t rows) { return std::sqrt(2.0 * std::log(static_cast<double>(rows) / kFalseAlarms)); }
@@ -64,7 +47,7 @@ Status precise_status(const Reference& reference, const Observation& seen, std::
   if (seen.markers[i].order == Order::kContradicted) return Status::kOrderUnproven;
   if (fit.shift_row[i] < 0) return Status::kLost;
   if (fit.chi2_sum > untrusted_chi2 * static_cast<double>(fit.dof)) return Status::kUntrusted;
-  return quality_of(reference, seen.markers[i], i);
+  return image_status(reference, seen.markers[i], i);
 }
 
 bool may_matter(const OutOfPlane& moved, const Sample& sample) {
