@@ -11,7 +11,8 @@ import time
 from survival import Records, with_suffix, clear, contents, done, error_lines, insist, insist_same, long_clip, measure, start
 
 program, work, _ = start()
-clip, site = long_clip(program, work, 300)
+FRAMES = 160
+clip, site = long_clip(program, work, FRAMES)
 out = work / "out"
 plain = measure(program, clip, site, out)
 insist(done(plain).returncode == 0, "the plain run")
@@ -118,25 +119,25 @@ insist(code in (-signal.SIGINT, 130) and contents(out) == wanted, f"exit {code}:
 insist_found()
 
 # Other options or another input do not belong to this run.
-for options, word in [(["--method", "two-stage"], "--method"), (["--frames", "0:200"], "--frames"), (["--fps", "20"], "--fps")]:
+for options, word in [(["--method", "two-stage"], "--method"), (["--frames", f"0:{FRAMES - 50}"], "--frames"), (["--fps", "20"], "--fps")]:
     again = done([word for word in plain if options[0] != "--fps" or word not in ("--fps", "10")] + [*options, "--resume"])
     insist(again.returncode == 2 and "the unfinished run had other options" in again.stderr and word in again.stderr, again.stderr)
-(clip / "000300.png").write_bytes((clip / "000000.png").read_bytes())
+(clip / f"{FRAMES:06}.png").write_bytes((clip / "000000.png").read_bytes())
 for option in ([], ["--resume"], ["--restart"]):
     again = done([*plain, *option])
     insist(again.returncode == 2, again.stderr)
-(clip / "000300.png").unlink()
+(clip / f"{FRAMES:06}.png").unlink()
 
 # Killed repeatedly, also while a resumed run reads its journal.
 while kept_frames() is not None:
     had = kept_frames()
     process = subprocess.Popen([*plain, "--resume"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    while process.poll() is None and (kept_frames() or 0) < min(had + 60, 300):
+    while process.poll() is None and (kept_frames() or 0) < min(had + 40, FRAMES):
         time.sleep(0.002)
     process.send_signal(signal.SIGKILL)
     process.communicate()
     insist(process.returncode in (0, -signal.SIGKILL), f"exit {process.returncode}")
-    insist((kept_frames() or 300) >= had, "frames were lost")
-    if kept_frames() == 300:
+    insist((kept_frames() or FRAMES) >= had, "frames were lost")
+    if kept_frames() == FRAMES:
         insist_resumes("stopped again and again")
 insist_same(out, wanted, "in the end")
