@@ -89,17 +89,46 @@ ScenePrior for_stretched(ScenePrior prior, double stretch) {
   return prior;
 }
 
+// A solution, with the prior for which it holds.
+struct Solved {
+  BundleSolution solution;
+  ScenePrior prior;
+};
+
+// Returns the solution with tilts. Tilted prints can look stretched. So the given prior, which `unstretched` has, comes
+// before that of stretched prints.
+std::optional<Solved> tilted(const Site& site, std::span<const BundleFrame> frames, const Solved& unstretched,
+                             const Solved& solved) {
+  if (is_beyond(unstretched.solution.scene.stretch, unstretched.prior)) {
+    auto found = with_tilts(site, frames, unstretched.prior, {}, unstretched.solution);
+    if (found && !is_beyond(found->scene.stretch, unstretched.prior))
+      return Solved{*std::move(found), unstretched.prior};
+  }
+  auto found = with_tilts(site, frames, solved.prior, {}, solved.solution);
+  return found ? std::optional(Solved{*std::move(found), solved.prior}) : std::nullopt;
+}
+
 // Solves again with tilts. They are kept if they explain more of the residuals than a suspected rolling shutter does.
-void try_tilts(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& given, BundleSolution& solution,
+void try_tilts(const Site& site, std::span<const BundleFrame> frames, const Solved& unstretched, Solved& solved,
                Calibration& out) {
-  auto tilted = with_tilts(site, frames, out.prior, {}, solution);
-  if (!tilted) return;
+  auto found = tilted(site, frames, unstretched, solved);
+  if (!found) return;
   if (out.shutter.suggests_rolling_shutter &&
-      out.shutter.share_of_excess > share_of_excess(solution.scene, tilted->scene))
+      out.shutter.share_of_excess > share_of_excess(solved.solution.scene, found->solution.scene))
     return;
-  solution = *std::move(tilted);
-  out.fits = fits_of(site, solution);
-  out.shutter = shutter_test(site, solution, out.fits, given);
+  solved = *std::move(found);
+  out.fits = fits_of(site, solved.solution);
+  out.shutter = shutter_test(site, solved.solution, out.fits, unstretched.prior);
+}
+
+Calibration unsolved(const ScenePrior& prior) {
+  Calibration out;
+  out.prior = prior;
+  out.bundle.scene.solved = false;
+  out.bundle.scene.problem = "the footage does not determine a lens";
+  out.bundle.scene.camera = prior.camera;
+  out.bundle.scene.markers = prior.markers;
+  return out;
 }
 
 template <typename Frame>
@@ -135,41 +164,39 @@ std::vector<std::size_t> key_frames(std::span<const FrameStart> frames, std::siz
 Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& given,
                       const CalibrateOptions& options) {
   Calibration best;
-  ScenePrior& prior = best.prior;
-  prior = given;
   const Selection perfect{Prints::kPerfect, options.until};
-  auto solution = select_scene_model(site, frames, prior, perfect);
-  for (int wider = 0; wider < kWiderPriors && solution && is_beyond(solution->scene.stretch, prior); ++wider) {
-    prior = for_stretched(given, solution->scene.stretch);
-    solution = select_scene_model(site, frames, prior, perfect);
+  auto first = select_scene_model(site, frames, given, perfect);
+  Solved solved{first.value_or(BundleSolution{}), given};
+  const Solved unstretched = solved;
+  for (int wider = 0; wider < kWiderPriors && first && is_beyond(solved.solution.scene.stretch, solved.prior);
+       ++wider) {
+    solved.prior = for_stretched(given, solved.solution.scene.stretch);
+    first = select_scene_model(site, frames, solved.prior, perfect);
+    if (first) solved.solution = *first;
   }
-  if (!solution) {
-    best.bundle.scene.solved = false;
-    best.bundle.scene.problem = "the footage does not determine a lens";
-    best.bundle.scene.camera = prior.camera;
-    best.bundle.scene.markers = prior.markers;
-    return best;
-  }
-  best.fits = fits_of(site, *solution);
-  best.shutter = shutter_test(site, *solution, best.fits, given);
-  if (options.tilts) try_tilts(site, frames, given, *solution, best);
+  if (!first) return unsolved(given);
+  best.fits = fits_of(site, solved.solution);
+  best.shutter = shutter_test(site, solved.solution, best.fits, given);
+  if (options.tilts) try_tilts(site, frames, unstretched, solved, best);
+  best.prior = solved.prior;
+  BundleSolution& solution = solved.solution;
   for (int round = 0; round < kErrorRounds; ++round) {
-    const PrintError error = print_error_of(site, *solution, frames, prior, best.print_error);
+    const PrintError error = print_error_of(site, solution, frames, best.prior, best.print_error);
     if (are_alike(best.print_error, error, kSameError)) break;
     const Selection selection{error.has_rough_prints() ? Prints::kRough : Prints::kPerfect, options.until};
     const auto weighed = with_print_error(site, frames, error);
-    auto again = select_scene_model(site, weighed, prior, selection);
+    auto again = select_scene_model(site, weighed, best.prior, selection);
     if (!again) break;
-    if (solution->scene.model.tilts) {
-      if (auto tilted = with_tilts(site, weighed, prior, selection, *again)) again = std::move(tilted);
+    if (solution.scene.model.tilts) {
+      if (auto tilted = with_tilts(site, weighed, best.prior, selection, *again)) again = std::move(tilted);
     }
-    solution = std::move(again);
+    solution = *std::move(again);
     best.print_error = error;
   }
-  best.bundle = *std::move(solution);
+  best.bundle = std::move(solution);
   if (best.print_error.exceeds_noise()) best.fits = fits_of(site, best.bundle);
   Scene& scene = best.bundle.scene;
-  scene.covariance = scene_covariance(site, best.fits, prior, scene.model);
+  scene.covariance = scene_covariance(site, best.fits, best.prior, scene.model);
   const double u_stretch = std::sqrt(scene.covariance(kStretchParameter, kStretchParameter));
   best.stretched =
       is_beyond(scene.stretch, given) && std::abs(scene.stretch - given.stretch) > kStretchBeyond * u_stretch;

@@ -77,6 +77,21 @@ TEST(TiltedPrints, TiltsAreRightWithinTheirUncertainty) {
   }
 }
 
+// Prints that lean towards the middle by 50 mrad look narrower, by 50 mrad times the slope of the line of sight. At 130 mm
+// from the axis of this camera that is 0.5 %, ten times the u of the print scale. It is no stretch of the paper, so the
+// scales are as well known as stated.
+TEST(TiltedPrints, DoNotLookStretched) {
+  Recording truth = mounted_with(0.0);
+  for (const Marker& marker : truth.site.markers)
+    truth.tilt.push_back({0.0, marker.grating->centre.x < 0.0 ? 0.05 : -0.05});
+  const Calibration calibration = solved_as_seen(truth, test::footage_of(truth, kFramesOfTilts));
+  const Scene& scene = calibration.bundle.scene;
+  EXPECT_TRUE(scene.model.tilts) << scene.model.name() << ", seed " << test::kFootageSeed;
+  EXPECT_FALSE(calibration.stretched) << scene.stretch;
+  for (const MarkerShape& u : calibration.prior.u_markers)
+    EXPECT_EQ(u.value[MarkerShape::kScale], truth.site.known_to.print_scale) << "seed " << test::kFootageSeed;
+}
+
 // BIC accepts parameters without need about once in a thousand runs or less.
 TEST(TiltedPrints, PrintsInOnePlaneHaveNone) {
   const Recording truth = mounted_with(0.0);
