@@ -33,8 +33,9 @@ simulator::Scenario hand_held() {
   return s;
 }
 
-test::MeasuredRun precisely_by_rows(const simulator::Scenario& scenario, std::optional<double> readout_s = {}) {
-  test::RunPlan plan{.method = "precise", .frames = 24};
+test::MeasuredRun precisely_by_rows(const simulator::Scenario& scenario, std::optional<double> readout_s = {},
+                                    int frames = 24) {
+  test::RunPlan plan{.method = "precise", .frames = frames};
   plan.solve.readout_s = readout_s;
   auto run = test::measured(scenario, plan);
   EXPECT_EQ(run.problem, "");
@@ -106,7 +107,22 @@ TEST(RollingShutter, AVibrationAboveTheFrameRateIsCoveredOrNotOk) {
   auto shaken = hand_held();
   for (auto* track : {&shaken.mount.rotation_x, &shaken.mount.rotation_y, &shaken.mount.rotation_z})
     track->amplitude = 0.02, track->frequency_hz = 40.0;
-  EXPECT_EQ(silent_lies(precisely_by_rows(shaken)), 0);
+  EXPECT_EQ(silent_lies(precisely_by_rows(shaken, {}, 12)), 0);
+}
+
+// A target that jumps by 12 mm within one exposure is blurred in that frame. It is not `ok` there, and the other frames
+// are as they were.
+TEST(RollingShutter, ATargetThatIsBlurredInOneFrameChangesNoOther) {
+  auto jumping = hand_held();
+  constexpr double kJump_s = 10.0 / 30.0;  // frame 10; the target is in the middle row
+  auto& target = jumping.markers.back();
+  target.dy = {};
+  target.dy.knots = {{0.0, 0.0}, {kJump_s - 5e-4, 0.0}, {kJump_s + 5e-4, 12.0}};
+  const auto run = precisely_by_rows(jumping, kReadout, 14);
+  EXPECT_EQ(silent_lies(run), 0);
+  for (const Sample& sample : run.samples)
+    EXPECT_EQ(sample.status == Status::kOk, sample.frame != 10)
+        << "frame " << sample.frame << " " << word_for(sample.status) << ::testing::PrintToString(run.solution.notes);
 }
 
 // Movement of the target between its row's time and the frame's: 2 pi 3 Hz 1 mm = 19 mm/s over the delay of its row. At

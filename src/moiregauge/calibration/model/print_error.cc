@@ -62,15 +62,19 @@ Whitened whitened(const PatchResidual& residual, const PatchResidual::Design& de
   return {along.cwiseAbs2(), eigen.eigenvalues().cwiseMax(0.0)};
 }
 
-// Returns the degrees of freedom of a target's points in one frame: their rank, less its shift and its part of the pose.
-// That part is the trace of its block of the projection onto the pose, after eliminating the shift.
-double dof_of_target(const PatchResidual& patch, const PatchResidual::Design& design, const FrameFit& fit,
-                     std::size_t marker) {
+// Returns the degrees of freedom of a target's points in one frame: their rank, less its shift and its part of the pose
+// (and motion). That part is the trace of its block of the projection onto the pose, after eliminating the shift.
+double dof_of_target(const PatchResidual& patch, const PatchResidual::Design& design, const BundleFrame& frame,
+                     const FrameFit& fit, std::size_t marker) {
   const int row = fit.shift_row[marker];
   if (row < 0) return 0.0;
   const auto part = std::ranges::find(fit.shift_parts, marker, &ShiftPart::marker);
-  const Eigen::Matrix<double, kSize, 6> by_pose =
-      design.middleCols<6>(PatchColumn::kPose) + design.middleCols<2>(PatchColumn::kShape) * part->by_pose;
+  Eigen::Matrix<double, kSize, Eigen::Dynamic, 0, kSize, kMaxPose> by_pose =
+      design.middleCols<2>(PatchColumn::kShape) * part->by_pose;
+  by_pose.leftCols<6>() += design.middleCols<6>(PatchColumn::kPose);
+  if (frame.rows)
+    by_pose.rightCols<kMotionParameters>() +=
+        patch.root() * frame.rows->by_marker[marker].leftCols<kMotionParameters>();
   return patch.rank() - 2.0 - (by_pose * fit.pose_covariance).cwiseProduct(by_pose).sum();
 }
 
@@ -108,7 +112,7 @@ std::vector<Group> groups_of(const Site& site, const Scene& scene, std::span<con
       const auto design = fitted_design(patch, scene, frames[k], fits[k], i);
       group.patches.push_back(whitened(patch, design, marker.grating->pitch_mm));
       group.pitch_mm = std::max(group.pitch_mm, marker.grating->pitch_mm);
-      if (is_own) group.dof += dof_of_target(patch, design, fits[k], i);
+      if (is_own) group.dof += dof_of_target(patch, design, frames[k], fits[k], i);
     }
   }
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
@@ -185,8 +189,9 @@ double error_in_frame(const Site& site, const Scene& scene, const BundleFrame& f
   if (fit.chi2[target] <= chi2_upper_quantile(kSize - 2.0)) return 0.0;  // most rows
   const PatchResidual patch(*frame.points[target], site.markers[target]);
   const auto design = fitted_design(patch, scene, frame, fit, target);
-  return error_of(
-      {{whitened(patch, design, grating->pitch_mm)}, dof_of_target(patch, design, fit, target), grating->pitch_mm});
+  return error_of({{whitened(patch, design, grating->pitch_mm)},
+                   dof_of_target(patch, design, frame, fit, target),
+                   grating->pitch_mm});
 }
 
 double noise_share(const Site& site, const SceneModel& model, std::span<const FrameFit> fits, const ScenePrior& prior) {

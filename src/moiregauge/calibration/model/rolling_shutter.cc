@@ -209,7 +209,7 @@ class RollingShutterSolver {
   [[nodiscard]] std::vector<FitSummary> fits_of(const FrameSeries& frames) const {
     std::vector<FitSummary> fits;
     for (std::size_t k = 0; k < frames.size(); ++k) {
-      const BundleFrame frame = frames[k];
+      const BundleFrame frame = frames.flawless(k);
       fits.push_back(summary_of(fit_of(frame), frame.rows.has_value()));
     }
     return fits;
@@ -326,7 +326,7 @@ class RollingShutterSolver {
     Eigen::VectorXd scene_slope = slope_of_prior(known);
     Eigen::VectorXd with_scene = Eigen::VectorXd::Zero(scene_slope.size());
     for (const std::size_t k : key_) {
-      FrameFit f = fit_of(out_.frames[k]);
+      FrameFit f = fit_of(out_.frames.flawless(k));
       if (!f.ok) continue;
       // A frame with residuals beyond noise has less weight.
       const double weight = f.dof > 0 ? 1.0 / std::max(1.0, f.chi2_sum / static_cast<double>(f.dof)) : 1.0;

@@ -46,15 +46,18 @@ class FrameSeries {
     return out;
   }
 
-  // Returns these frames without flawed targets.
-  [[nodiscard]] std::vector<BundleFrame> flawless(std::span<const std::size_t> places) const {
-    std::vector<BundleFrame> out = at(places);
-    for (std::size_t n = 0; n < places.size(); ++n) {
-      const std::vector<bool>& is_flawed = (*starts_)[places[n]].is_flawed;
-      for (std::size_t i = 0; i < is_flawed.size(); ++i) {
-        if (is_flawed[i]) out[n].points[i].reset();
-      }
+  // Returns frame k, or these frames, without flawed targets.
+  [[nodiscard]] BundleFrame flawless(std::size_t k) const {
+    BundleFrame frame = make_(k);
+    const std::vector<bool>& is_flawed = (*starts_)[k].is_flawed;
+    for (std::size_t i = 0; i < is_flawed.size(); ++i) {
+      if (is_flawed[i]) frame.points[i].reset();
     }
+    return frame;
+  }
+  [[nodiscard]] std::vector<BundleFrame> flawless(std::span<const std::size_t> places) const {
+    std::vector<BundleFrame> out;
+    for (const std::size_t k : places) out.push_back(flawless(k));
     return out;
   }
 
