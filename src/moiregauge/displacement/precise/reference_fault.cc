@@ -93,8 +93,9 @@ ReferenceVerdict test_references(const Site& site, const FrameSeries& frames, co
   }
   if (references.size() < 4) return verdict;
   verdict.verified = references.size() >= 6 || (references.size() == 5 && camera_known);
+  // With flawed targets, too: out of focus, all markers are, and references alone then seem to move more often.
   const BundleSolution all =
-      solved_with_all(site, frames.flawless(key_frames(frames.starts(), kMaxFaultFrames)), prior, start);
+      solved_with_all(site, frames.at(key_frames(frames.starts(), kMaxFaultFrames)), prior, start);
   std::vector<std::pair<std::size_t, ReferenceSlip>> slips;
   for (const std::size_t r : references) {
     if (const auto slip = fit_reference_step(site, all.frames, prior, all.scene, r)) slips.emplace_back(r, *slip);
