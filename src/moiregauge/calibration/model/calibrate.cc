@@ -95,6 +95,19 @@ struct Solved {
   ScenePrior prior;
 };
 
+// Returns the solution whose priors contain its stretch. Fails: no model fits with the wider priors.
+std::optional<Solved> stretched(const Site& site, std::span<const BundleFrame> frames, const Solved& unstretched,
+                                const Selection& selection) {
+  Solved solved = unstretched;
+  for (int wider = 0; wider < kWiderPriors && is_beyond(solved.solution.scene.stretch, solved.prior); ++wider) {
+    solved.prior = for_stretched(unstretched.prior, solved.solution.scene.stretch);
+    auto found = select_scene_model(site, frames, solved.prior, selection);
+    if (!found) return std::nullopt;
+    solved.solution = *std::move(found);
+  }
+  return solved;
+}
+
 // Returns the solution with tilts. Tilted prints can look stretched. So the given prior, which `unstretched` has, comes
 // before that of stretched prints.
 std::optional<Solved> tilted(const Site& site, std::span<const BundleFrame> frames, const Solved& unstretched,
@@ -165,16 +178,12 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
                       const CalibrateOptions& options) {
   Calibration best;
   const Selection perfect{Prints::kPerfect, options.until};
-  auto first = select_scene_model(site, frames, given, perfect);
-  Solved solved{first.value_or(BundleSolution{}), given};
-  const Solved unstretched = solved;
-  for (int wider = 0; wider < kWiderPriors && first && is_beyond(solved.solution.scene.stretch, solved.prior);
-       ++wider) {
-    solved.prior = for_stretched(given, solved.solution.scene.stretch);
-    first = select_scene_model(site, frames, solved.prior, perfect);
-    if (first) solved.solution = *first;
-  }
-  if (!first) return unsolved(given);
+  auto found = select_scene_model(site, frames, given, perfect);
+  if (!found) return unsolved(given);
+  const Solved unstretched{*std::move(found), given};
+  auto with_stretch = stretched(site, frames, unstretched, perfect);
+  if (!with_stretch) return unsolved(given);
+  Solved& solved = *with_stretch;
   best.fits = fits_of(site, solved.solution);
   best.shutter = shutter_test(site, solved.solution, best.fits, given);
   if (options.tilts) try_tilts(site, frames, unstretched, solved, best);

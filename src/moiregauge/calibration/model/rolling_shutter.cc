@@ -152,7 +152,7 @@ class RollingShutterSolver {
       // Earlier rounds only improve the path, so they need no full convergence. Tilts would follow what is left of the
       // readout.
       out_.calibration =
-          calibrate(site_, out_.frames.flawless(key_), prior_,
+          calibrate(site_, out_.frames.without_flawed_targets(key_), prior_,
                     {.until = is_last ? Until::kConverged : Until::kChi2Converged, .tilts = is_last || tilts});
       if (!out_.calibration.bundle.scene.solved) return without(out_.calibration.bundle.scene.problem);
       if (round == 0 && !(chi2_dof_at_once_ > 0.0)) chi2_dof_at_once_ = out_.calibration.shutter.chi2_dof;
@@ -209,7 +209,7 @@ class RollingShutterSolver {
   [[nodiscard]] std::vector<FitSummary> fits_of(const FrameSeries& frames) const {
     std::vector<FitSummary> fits;
     for (std::size_t k = 0; k < frames.size(); ++k) {
-      const BundleFrame frame = frames.flawless(k);
+      const BundleFrame frame = frames.without_flawed_targets(k);
       fits.push_back(summary_of(fit_of(frame), frame.rows.has_value()));
     }
     return fits;
@@ -326,7 +326,7 @@ class RollingShutterSolver {
     Eigen::VectorXd scene_slope = slope_of_prior(known);
     Eigen::VectorXd with_scene = Eigen::VectorXd::Zero(scene_slope.size());
     for (const std::size_t k : key_) {
-      FrameFit f = fit_of(out_.frames.flawless(k));
+      FrameFit f = fit_of(out_.frames.without_flawed_targets(k));
       if (!f.ok) continue;
       // A frame with residuals beyond noise has less weight.
       const double weight = f.dof > 0 ? 1.0 / std::max(1.0, f.chi2_sum / static_cast<double>(f.dof)) : 1.0;

@@ -47,7 +47,7 @@ class FrameSeries {
   }
 
   // Returns frame k, or these frames, without flawed targets.
-  [[nodiscard]] BundleFrame flawless(std::size_t k) const {
+  [[nodiscard]] BundleFrame without_flawed_targets(std::size_t k) const {
     BundleFrame frame = make_(k);
     const std::vector<bool>& is_flawed = (*starts_)[k].is_flawed;
     for (std::size_t i = 0; i < is_flawed.size(); ++i) {
@@ -55,9 +55,9 @@ class FrameSeries {
     }
     return frame;
   }
-  [[nodiscard]] std::vector<BundleFrame> flawless(std::span<const std::size_t> places) const {
+  [[nodiscard]] std::vector<BundleFrame> without_flawed_targets(std::span<const std::size_t> places) const {
     std::vector<BundleFrame> out;
-    for (const std::size_t k : places) out.push_back(flawless(k));
+    for (const std::size_t k : places) out.push_back(without_flawed_targets(k));
     return out;
   }
 

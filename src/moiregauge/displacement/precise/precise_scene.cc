@@ -47,7 +47,9 @@ std::vector<std::size_t> key_of(const FrameSeries& frames) {
   return key;
 }
 
-std::vector<BundleFrame> key_frames_of(const FrameSeries& frames) { return frames.flawless(key_of(frames)); }
+std::vector<BundleFrame> key_frames_of(const FrameSeries& frames) {
+  return frames.without_flawed_targets(key_of(frames));
+}
 
 // Returns true if chi2/dof is higher by more than three standard deviations of chi-squared.
 bool fits_worse(const ShutterTest& rolling, const ShutterTest& at_once) {
