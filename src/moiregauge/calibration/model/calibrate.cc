@@ -176,7 +176,7 @@ std::vector<std::size_t> key_frames(std::span<const FrameStart> frames, std::siz
 
 Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& given,
                       const CalibrateOptions& options) {
-  Calibration best;
+  Calibration out;
   const Selection perfect{Prints::kPerfect, options.until};
   auto found = select_scene_model(site, frames, given, perfect);
   if (!found) return unsolved(given);
@@ -184,32 +184,37 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
   auto with_stretch = stretched(site, frames, unstretched, perfect);
   if (!with_stretch) return unsolved(given);
   Solved& solved = *with_stretch;
-  best.fits = fits_of(site, solved.solution);
-  best.shutter = shutter_test(site, solved.solution, best.fits, given);
-  if (options.tilts) try_tilts(site, frames, unstretched, solved, best);
-  best.prior = solved.prior;
-  BundleSolution& solution = solved.solution;
+  out.fits = fits_of(site, solved.solution);
+  out.shutter = shutter_test(site, solved.solution, out.fits, given);
+  if (options.tilts) try_tilts(site, frames, unstretched, solved, out);
+  out.prior = std::move(solved.prior);
+  out.bundle = std::move(solved.solution);
+  if (options.print_error) add_print_error(site, frames, given, options.until, out);
+  return out;
+}
+
+void add_print_error(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& given, Until until,
+                     Calibration& to) {
+  BundleSolution& solution = to.bundle;
   for (int round = 0; round < kErrorRounds; ++round) {
-    const PrintError error = print_error_of(site, solution, frames, best.prior, best.print_error);
-    if (are_alike(best.print_error, error, kSameError)) break;
-    const Selection selection{error.has_rough_prints() ? Prints::kRough : Prints::kPerfect, options.until};
+    const PrintError error = print_error_of(site, solution, frames, to.prior, to.print_error);
+    if (are_alike(to.print_error, error, kSameError)) break;
+    const Selection selection{error.has_rough_prints() ? Prints::kRough : Prints::kPerfect, until};
     const auto weighed = with_print_error(site, frames, error);
-    auto again = select_scene_model(site, weighed, best.prior, selection);
+    auto again = select_scene_model(site, weighed, to.prior, selection);
     if (!again) break;
     if (solution.scene.model.tilts) {
-      if (auto tilted = with_tilts(site, weighed, best.prior, selection, *again)) again = std::move(tilted);
+      if (auto tilted = with_tilts(site, weighed, to.prior, selection, *again)) again = std::move(tilted);
     }
     solution = *std::move(again);
-    best.print_error = error;
+    to.print_error = error;
   }
-  best.bundle = std::move(solution);
-  if (best.print_error.exceeds_noise()) best.fits = fits_of(site, best.bundle);
-  Scene& scene = best.bundle.scene;
-  scene.covariance = scene_covariance(site, best.fits, best.prior, scene.model);
+  if (to.print_error.exceeds_noise()) to.fits = fits_of(site, to.bundle);
+  Scene& scene = to.bundle.scene;
+  scene.covariance = scene_covariance(site, to.fits, to.prior, scene.model);
   const double u_stretch = std::sqrt(scene.covariance(kStretchParameter, kStretchParameter));
-  best.stretched =
+  to.stretched =
       is_beyond(scene.stretch, given) && std::abs(scene.stretch - given.stretch) > kStretchBeyond * u_stretch;
-  return best;
 }
 
 }  // namespace moiregauge::internal

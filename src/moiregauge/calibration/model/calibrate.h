@@ -22,6 +22,7 @@ struct ShutterTest {
 struct CalibrateOptions {
   Until until = Until::kConverged;  // stop criterion of each solution
   bool tilts = true;                // false: all prints are parallel to the plane
+  bool print_error = true;          // false: as far as the shutter test, for add_print_error
 };
 
 struct Calibration {
@@ -43,6 +44,11 @@ struct Calibration {
 // Fails (bundle.scene.solved = false): no lens model could be solved.
 [[nodiscard]] Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
                                     const CalibrateOptions& options = {});
+
+// Estimates the print error of a calibration that was made without it, and solves the scene again with it. Then computes
+// the covariance. `given` and `until`: those of that calibration. The calibration must be solved.
+void add_print_error(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& given, Until until,
+                     Calibration& to);
 
 // Returns the sorted indices of the key frames. These are `most` (at least 2) evenly spread frames with both ends, and
 // up to twelve with the extremes of the pose. Returns all frames if there are no more than `most`.

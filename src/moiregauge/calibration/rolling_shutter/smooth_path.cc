@@ -101,10 +101,14 @@ class Filter {
     for (int i = 0; i < kOrder; ++i) {
       for (int j = i + 1; j < kOrder; ++j) m.forth(i, j) = m.forth(i, j - 1) * dt / (j - i);
     }
+    constexpr std::array kFactorial{1.0, 1.0, 2.0, 6.0};
+    std::array<double, 2 * kOrder> power{};
+    for (std::size_t p = 1; p < power.size(); ++p) power[p] = std::pow(dt, p);
     for (int i = 0; i < kOrder; ++i) {
       for (int j = 0; j < kOrder; ++j) {
-        const int p = 2 * kOrder - 1 - i - j;
-        m.noise(i, j) = strength_ * std::pow(dt, p) / (p * std::tgamma(kOrder - i) * std::tgamma(kOrder - j));
+        const auto a = static_cast<std::size_t>(kOrder - 1 - i), b = static_cast<std::size_t>(kOrder - 1 - j);
+        const std::size_t p = a + b + 1;
+        m.noise(i, j) = strength_ * power[p] / (static_cast<double>(p) * kFactorial[a] * kFactorial[b]);
       }
     }
     m.mean = m.forth * m.mean;

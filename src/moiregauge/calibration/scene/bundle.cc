@@ -17,6 +17,9 @@ constexpr int kMaxSteps = 40;  // chosen
 // Fraction of the cost below which a gain ends the iteration. For 10000 residuals 1e-7 is 1e-3, which moves a parameter
 // by 0.03 u. The coarse limit is chosen.
 constexpr double kLittle = 1e-7, kLittleOfChi2 = 1e-3;
+// Largest chi2/dof at which the finer limit holds. Beyond it the model is wrong. Its valley can take hundreds of steps,
+// and a larger model or the print error gives another scene. Chosen.
+constexpr double kFits = 2.0;
 // Marquardt damping, relative to the diagonal. It starts at almost zero because poses and shifts come from fits of
 // their own. The limits are chosen.
 constexpr double kFirstDamping = 1e-12, kMinDamping = 1e-18, kMaxDamping = 1e6;
@@ -117,7 +120,8 @@ Minimum minimised(const Bundle::Footage& footage, std::span<const SceneParameter
   double damping = kFirstDamping;
   for (int taken = 0; taken < kMaxSteps; ++taken) {
     const BundleNormal normal(footage.patches, free, best.state);
-    const double cost = best.cost(), little = (until == Until::kConverged ? kLittle : kLittleOfChi2) * cost;
+    const bool is_fine = until == Until::kConverged && best.data < kFits * static_cast<double>(footage.rows);
+    const double cost = best.cost(), little = (is_fine ? kLittle : kLittleOfChi2) * cost;
     bool better = false;
     for (; !better && damping < kMaxDamping; damping *= better ? kLessDamping : kMoreDamping) {
       auto step = normal.step(damping);

@@ -111,11 +111,15 @@ class SceneSolver {
   // to frame time.
   void solve() {
     const auto given = options_.readout_s;
-    Calibration& at_once = out_.calibration = calibrate(site_, key_frames_of(out_.frames), prior_);
-    if (given == 0.0 || (!given && is_solved() && !at_once.shutter.suggests_rolling_shutter)) return;
+    // The print error takes most of the time, and a scene with a rolling shutter has one of its own.
+    Calibration& at_once = out_.calibration =
+        calibrate(site_, key_frames_of(out_.frames), prior_, {.print_error = false});
+    if (given == 0.0 || (!given && is_solved() && !at_once.shutter.suggests_rolling_shutter))
+      return allow_for_print_error();
     if (!given && is_solved()) {
       exclude_explaining_reference();
-      if (!at_once.shutter.suggests_rolling_shutter || !is_worth_a_search(at_once.shutter)) return;
+      if (!at_once.shutter.suggests_rolling_shutter || !is_worth_a_search(at_once.shutter))
+        return allow_for_print_error();
     }
     if (given && !timed()) note("the rolling shutter is not corrected: the frames have no times. Give --fps");
     const FrameSeries read = out_.with_movements;
@@ -125,7 +129,7 @@ class SceneSolver {
     if (given && !shutter.problem.empty()) note("the rolling shutter is not corrected: " + shutter.problem);
     if (!shutter.problem.empty() || (!given && !is_justified(shutter, at_once))) {
       searched_chi2_dof_ = out_.calibration.shutter.chi2_dof;
-      return;
+      return allow_for_print_error();
     }
     if (given && is_solved() && fits_worse(shutter.calibration.shutter, at_once.shutter))
       note(
@@ -136,6 +140,11 @@ class SceneSolver {
     out_.with_movements = shutter.with_movements;
     out_.calibration = std::move(shutter.calibration);
     out_.shutter = std::move(shutter);
+  }
+
+  // Completes the scene of a global shutter.
+  void allow_for_print_error() {
+    if (is_solved()) add_print_error(site_, key_frames_of(out_.frames), prior_, Until::kConverged, out_.calibration);
   }
 
   // Returns false if a search without a result must be expected to fail again, because the frames contradict the scene
@@ -174,7 +183,6 @@ class SceneSolver {
     out_ = std::move(again);
     use(read_);
     judged_ = false;
-    at_once_.reset();
     solve();
   }
 
@@ -218,11 +226,11 @@ class SceneSolver {
   // because the rounds of the rolling shutter cost several times as much, and a path can imitate a slip.
   void exclude_explaining_reference() {
     if (judged_) return;
-    at_once_ = tested();
-    if (!at_once_->moved) return;
-    const std::size_t moved = *at_once_->moved;
+    const ReferenceVerdict verdict = tested();
+    if (!verdict.moved) return;
+    const std::size_t moved = *verdict.moved;
     auto rest = out_.frames.without_marker(moved);
-    Calibration calibration = calibrate(site_, key_frames_of(rest), prior_);
+    Calibration calibration = calibrate(site_, key_frames_of(rest), prior_, {.print_error = false});
     const ShutterTest &with = out_.calibration.shutter, &without = calibration.shutter;
     if (!calibration.bundle.scene.solved) return;
     if (without.suggests_rolling_shutter && without.chi2_dof - 1.0 > kRestOfExcess * (with.chi2_dof - 1.0)) return;
@@ -236,7 +244,7 @@ class SceneSolver {
   // Tests the references and excludes one that moves. The scene is then solved again from the frames as read, because
   // its movement may have suggested a rolling shutter.
   void leave_out_what_moves() {
-    const ReferenceVerdict verdict = blaming_camera(at_once_ && !out_.shutter ? *at_once_ : tested());
+    const ReferenceVerdict verdict = blaming_camera(tested());
     judged_ = true;
     out_.references_verified = verdict.verified && !verdict.doubtful;
     if (verdict.doubtful) report_doubt(verdict);
@@ -383,7 +391,6 @@ class SceneSolver {
   const ScenePrior& prior_;
   const SolveOptions& options_;
   bool judged_ = false;                      // the references have been tested against each other
-  std::optional<ReferenceVerdict> at_once_;  // result for the frames as read
   std::optional<double> searched_chi2_dof_;  // before the last search for a rolling shutter, if it had no result
   PreciseScene out_;
 };
