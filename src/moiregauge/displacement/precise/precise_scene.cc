@@ -264,19 +264,35 @@ class SceneSolver {
                                       site_.markers[excluded].name));
   }
 
+  // Only some of the frames were tested, so the step lies between two of them.
+  [[nodiscard]] static std::string when_of(const StepPlace& step) {
+    return step.settled == step.before + 1 ? fmt::format(" from frame {} on", step.settled)
+                                           : fmt::format(" between frames {} and {}", step.before, step.settled);
+  }
+
+  // Returns how to measure the parts before and after a step. A part of one frame has no displacement.
+  [[nodiscard]] std::string parts_at_rest(const StepPlace& step) const {
+    const auto [first, last] = std::ranges::minmax(read_.starts(), {}, &FrameStart::frame);
+    std::string out;
+    if (step.before > first.frame)
+      out = fmt::format("measure the frames before the movement with --frames {}:{}", first.frame, step.before + 1);
+    if (step.settled < last.frame)
+      out += fmt::format("{} after {} with --frames {}:{}", out.empty() ? "measure the frames" : " and those",
+                         out.empty() ? "the movement" : "it", step.settled, last.frame + 1);
+    return out;
+  }
+
   // `what`: for the note; nothing if the verdict says all.
   void report_doubt(const ReferenceVerdict& verdict, std::string what = {}) {
     out_.doubtful = true;
-    const bool slips_later = verdict.since && *verdict.since > reference_.seen.frame;
     // As read, because one may be excluded.
     const bool has_six = references_in(site_, read_.front()) >= kMinReferencesForSlip;
-    const std::string lasting = has_six ? "fasten the references" : "use six references, which show the one that moves";
-    out_.remedy = slips_later ? fmt::format("measure the frames before the movement with --frames {}:{}, or {}",
-                                            reference_.seen.frame, *verdict.since, lasting)
-                              : lasting;
+    const std::string parts = verdict.step ? parts_at_rest(*verdict.step) : "";
+    out_.remedy = fmt::format("{}{}{}", parts, parts.empty() ? "" : ", or ",
+                              has_six ? "fasten the references" : "use six references, which show the one that moves");
     if (what.empty())
       what = fmt::format("one of the references moves{}, and the layout does not show which",
-                         verdict.since ? fmt::format(" from frame {} on", *verdict.since) : "");
+                         verdict.step ? when_of(*verdict.step) : "");
     note(fmt::format("no row is trusted: {}. Remedy: {}", what, out_.remedy));
   }
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "moiregauge/calibration/scene/frame_pose.h"
-#include "moiregauge/displacement/precise/reference_slip.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -25,8 +24,8 @@ constexpr double kClearlyMoves = 3.0;
 
 struct Suspect {
   std::size_t marker = 0;
-  double fall = 0.0;          // fall of chi2, in units of the variance of unit weight
-  std::optional<long> since;  // first frame after the step
+  double fall = 0.0;  // fall of chi2, in units of the variance of unit weight
+  std::optional<StepPlace> step;
 };
 
 // Returns the reference with the largest `fall` of chi2 and the fall of the next one. Nothing if the largest is below
@@ -65,8 +64,8 @@ std::optional<std::pair<Suspect, double>> slipped(const std::vector<std::pair<st
     if (marker != best->first) second = std::min(second, slip.left());
   }
   const ReferenceSlip& slip = best->second;
-  const auto since = slip.is_step() ? std::optional(slip.first) : std::nullopt;
-  return std::pair(Suspect{best->first, slip.fall() / slip.unit(), since}, (second - slip.left()) / slip.unit());
+  const auto step = slip.is_step() ? std::optional(slip.step) : std::nullopt;
+  return std::pair(Suspect{best->first, slip.fall() / slip.unit(), step}, (second - slip.left()) / slip.unit());
 }
 
 BundleSolution solved_with_all(const Site& site, std::vector<BundleFrame> frames, const ScenePrior& prior,
@@ -109,7 +108,7 @@ ReferenceVerdict test_references(const Site& site, const FrameSeries& frames, co
   const auto way = [](const ReferenceSlip& s) { return s.free_fall / static_cast<double>(std::max(1L, s.free_rows)); };
   if (const auto step = slipped(slips)) {
     judge(step->first.marker, step->second > kClearly);
-    verdict.since = step->first.since;
+    verdict.step = step->first.step;
   } else if (const auto moved = suspect(slips, way, kMoves))
     judge(moved->first.marker, moved->first.fall > kClearlyMoves * moved->second);
   return verdict;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "moiregauge/calibration/model/calibrate.h"
+#include "moiregauge/displacement/precise/reference_slip.h"
 
 namespace moiregauge::internal {
 
@@ -15,7 +16,7 @@ struct ReferenceVerdict {
   bool verified = false;             // true if the layout can name a moving reference
   std::optional<std::size_t> moved;  // the moving reference (index in the site)
   bool doubtful = false;             // one of them moves, and it is unknown which
-  std::optional<long> since;         // first frame after the step, if it moves by a step
+  std::optional<StepPlace> step;     // if it moves by a step
 };
 
 // Tests whether a reference moves. Only references that were read in most frames count.

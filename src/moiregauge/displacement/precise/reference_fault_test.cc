@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/displacement/precise/reference_fault.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
@@ -37,7 +38,8 @@ TEST(ReferenceSlip, AFrameExposedDuringTheStepHasItsOwnPosition) {
   ASSERT_TRUE(start.solved) << start.problem;
   const auto slip = fit_reference_step(truth.site, run.frames, prior, start, kSlips);
   ASSERT_TRUE(slip);
-  EXPECT_EQ(slip->first, 5);
+  EXPECT_EQ(slip->step.before, 4);
+  EXPECT_EQ(slip->step.settled, 6);
   // Noise remains. The step and the frame have six unknowns.
   const double dof = static_cast<double>(slip->dof + slip->free_rows - 4);
   EXPECT_NEAR(slip->left() / dof, 1.0, 4.0 * std::sqrt(2.0 / dof) + 40.0 / dof) << "seed " << kFootageSeed;
@@ -78,7 +80,25 @@ TEST(ReferenceFault, OneOfSixThatCreepsIsNamedWithoutAFrame) {
   const ReferenceVerdict verdict = test_references(truth.site, test::series_of(run.frames), prior, start, false);
   EXPECT_EQ(verdict.moved, kCreeps) << "seed " << kFootageSeed;
   EXPECT_FALSE(verdict.doubtful) << "seed " << kFootageSeed;
-  EXPECT_FALSE(verdict.since) << "frame " << *verdict.since;
+  EXPECT_FALSE(verdict.step) << "frame " << verdict.step->settled;
+}
+
+// The reference frame comes first in the footage, whatever its number. A reference steps by 0.05 mm before that frame.
+TEST(ReferenceFault, AStepBeforeTheReferenceFrameLiesBetweenTheFramesOfItsTime) {
+  constexpr std::size_t kSteps = 1;
+  constexpr int kReferenceFrame = 15, kStep = 10;
+  const Recording truth{.site = rig_of_six(), .camera = lens(-0.0225), .angles = swinging(4.0)};
+  Footage run = footage_of(truth, 24, [](std::size_t marker, int frame) -> Extent<frame::Board> {
+    return {0.0, marker == kSteps && frame >= kStep ? 0.05 : 0.0};
+  });
+  std::rotate(run.frames.begin(), run.frames.begin() + kReferenceFrame, run.frames.begin() + kReferenceFrame + 1);
+  const ScenePrior prior = prior_of(truth);
+  const Scene start = solve_bundle(truth.site, run.frames, prior, kRadialLens).scene;
+  const ReferenceVerdict verdict = test_references(truth.site, test::series_of(run.frames), prior, start, false);
+  EXPECT_EQ(verdict.moved, kSteps) << "seed " << kFootageSeed;
+  ASSERT_TRUE(verdict.step) << "seed " << kFootageSeed;
+  EXPECT_EQ(verdict.step->before, kStep - 1);
+  EXPECT_EQ(verdict.step->settled, kStep);
 }
 
 // Hot air moves the images of all markers independently, by 6 um in each frame, 10 u. A separate position in every frame

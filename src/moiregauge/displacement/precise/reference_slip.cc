@@ -13,7 +13,8 @@ namespace {
 // 10^8 (exp(-20)) for each frame.
 constexpr double kOwnPlace = 40.0;
 
-// Position of the reference in each frame that shows it, in the scene of the others, mm.
+// Position of the reference in each frame that shows it, in the scene of the others, mm. Frames are in the order of
+// their numbers, although the reference frame comes first in the footage.
 struct Way {
   std::vector<long> frame;
   Eigen::VectorXd place;       // x and y of each frame in turn
@@ -26,6 +27,7 @@ Way way_of(const Site& site, const std::vector<FrameFit>& fits, std::span<const 
   for (std::size_t k = 0; k < fits.size(); ++k) {
     if (fits[k].ok && fits[k].shift_row[marker] >= 0) seen.push_back(k);
   }
+  std::ranges::sort(seen, {}, [&](std::size_t k) { return frames[k].frame; });
   const auto rows = 2 * static_cast<Eigen::Index>(seen.size());
   Way way{{}, Eigen::VectorXd(rows), Eigen::MatrixXd::Zero(rows, rows)};
   Eigen::MatrixXd sensitivity(rows, scene_parameters(site.markers.size()));
@@ -117,12 +119,14 @@ std::optional<ReferenceSlip> fit_reference_step(Site site, std::span<const Bundl
   slip.free_fall = chi2_about(way, root);
   slip.free_rows = static_cast<long>(way.place.size()) - 2;
   slip.roughness = roughness_of(way.place);
-  for (std::size_t first = 1; first < way.frame.size(); ++first) {
-    double left = chi2_about(way, root, first);
-    if (first + 1 < way.frame.size())
-      left = std::min(left, chi2_about(way, root, first, Slipping::kInOneFrame) + kOwnPlace);
+  const auto try_step = [&](std::size_t first, std::size_t settled, double left) {
     const double fall = slip.free_fall - left;
-    if (fall > slip.step_fall) slip.step_fall = fall, slip.first = way.frame[first];
+    if (fall > slip.step_fall) slip.step_fall = fall, slip.step = {way.frame[first - 1], way.frame[settled]};
+  };
+  for (std::size_t first = 1; first < way.frame.size(); ++first) {
+    try_step(first, first, chi2_about(way, root, first));
+    if (first + 1 < way.frame.size())
+      try_step(first, first + 1, chi2_about(way, root, first, Slipping::kInOneFrame) + kOwnPlace);
   }
   return slip;
 }

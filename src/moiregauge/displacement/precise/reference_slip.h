@@ -10,13 +10,19 @@
 
 namespace moiregauge::internal {
 
+// Place of a step among the frames that were tested.
+struct StepPlace {
+  long before = 0;   // last frame at the old position
+  long settled = 0;  // first frame at the new position
+};
+
 struct ReferenceSlip {
   double chi2 = 0.0;       // chi2 of the scene in which this reference moves freely
   long dof = 0;            // degrees of freedom of chi2
   double free_fall = 0.0;  // chi2 of its positions about one constant position
   long free_rows = 0;      // number of unknowns of the free path
   double step_fall = 0.0;  // fall of that chi2 by one lasting step (two unknowns)
-  long first = 0;          // first frame after the step
+  StepPlace step;
   // Mean square change of the path from frame to frame, in units of what independent positions give: 1. A path that
   // creeps evenly over n frames has 6 / n^2.
   double roughness = 1.0;
