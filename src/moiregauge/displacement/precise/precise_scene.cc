@@ -111,15 +111,18 @@ class SceneSolver {
   // to frame time.
   void solve() {
     const auto given = options_.readout_s;
-    // The print error takes most of the time, and a scene with a rolling shutter has one of its own.
+    // The print error takes most of the time, and a scene with a rolling shutter has one of its own. Only the test of the
+    // references needs it earlier.
     Calibration& at_once = out_.calibration =
         calibrate(site_, key_frames_of(out_.frames), prior_, {.print_error = false});
-    if (given == 0.0 || (!given && is_solved() && !at_once.shutter.suggests_rolling_shutter))
-      return allow_for_print_error();
+    is_complete_ = false;
+    if (given == 0.0 || (!given && is_solved() && !at_once.shutter.suggests_rolling_shutter)) return complete();
     if (!given && is_solved()) {
-      exclude_explaining_reference();
-      if (!at_once.shutter.suggests_rolling_shutter || !is_worth_a_search(at_once.shutter))
-        return allow_for_print_error();
+      if (can_name_reference(references_in(site_, out_.frames.front()), reference_.knows_camera())) {
+        complete();
+        exclude_explaining_reference();
+      }
+      if (!at_once.shutter.suggests_rolling_shutter || !is_worth_a_search(at_once.shutter)) return complete();
     }
     if (given && !timed()) note("the rolling shutter is not corrected: the frames have no times. Give --fps");
     const FrameSeries read = out_.with_movements;
@@ -129,7 +132,7 @@ class SceneSolver {
     if (given && !shutter.problem.empty()) note("the rolling shutter is not corrected: " + shutter.problem);
     if (!shutter.problem.empty() || (!given && !is_justified(shutter, at_once))) {
       searched_chi2_dof_ = out_.calibration.shutter.chi2_dof;
-      return allow_for_print_error();
+      return complete();
     }
     if (given && is_solved() && fits_worse(shutter.calibration.shutter, at_once.shutter))
       note(
@@ -142,9 +145,11 @@ class SceneSolver {
     out_.shutter = std::move(shutter);
   }
 
-  // Completes the scene of a global shutter.
-  void allow_for_print_error() {
-    if (is_solved()) add_print_error(site_, key_frames_of(out_.frames), prior_, Until::kConverged, out_.calibration);
+  // Completes the scene of a global shutter by the print error.
+  void complete() {
+    if (!is_complete_ && is_solved())
+      add_print_error(site_, key_frames_of(out_.frames), prior_, Until::kConverged, out_.calibration);
+    is_complete_ = true;
   }
 
   // Returns false if a search without a result must be expected to fail again, because the frames contradict the scene
@@ -230,7 +235,7 @@ class SceneSolver {
     if (!verdict.moved) return;
     const std::size_t moved = *verdict.moved;
     auto rest = out_.frames.without_marker(moved);
-    Calibration calibration = calibrate(site_, key_frames_of(rest), prior_, {.print_error = false});
+    Calibration calibration = calibrate(site_, key_frames_of(rest), prior_);
     const ShutterTest &with = out_.calibration.shutter, &without = calibration.shutter;
     if (!calibration.bundle.scene.solved) return;
     if (without.suggests_rolling_shutter && without.chi2_dof - 1.0 > kRestOfExcess * (with.chi2_dof - 1.0)) return;
@@ -406,6 +411,7 @@ class SceneSolver {
   const FrameSeries read_;
   const ScenePrior& prior_;
   const SolveOptions& options_;
+  bool is_complete_ = false;                 // the scene of a global shutter has its print error
   bool judged_ = false;                      // the references have been tested against each other
   std::optional<double> searched_chi2_dof_;  // before the last search for a rolling shutter, if it had no result
   PreciseScene out_;

@@ -91,7 +91,7 @@ ReferenceVerdict test_references(const Site& site, const FrameSeries& frames, co
       references.push_back(i);
   }
   if (references.size() < 4) return verdict;
-  verdict.verified = references.size() >= 6 || (references.size() == 5 && camera_known);
+  verdict.verified = can_name_reference(references.size(), camera_known);
   // With flawed targets, too: out of focus, all markers are, and references alone then seem to move more often.
   const BundleSolution all =
       solved_with_all(site, frames.at(key_frames(frames.starts(), kMaxFaultFrames)), prior, start);

@@ -12,6 +12,11 @@
 
 namespace moiregauge::internal {
 
+// Returns true if this number of references can name the one that moves.
+[[nodiscard]] constexpr bool can_name_reference(std::size_t references, bool camera_known) {
+  return references >= 6 || (references == 5 && camera_known);
+}
+
 struct ReferenceVerdict {
   bool verified = false;             // true if the layout can name a moving reference
   std::optional<std::size_t> moved;  // the moving reference (index in the site)
