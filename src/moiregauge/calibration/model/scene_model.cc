@@ -114,16 +114,15 @@ BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePr
     return solve(model, from.scene, from.frames);
   };
   const SceneModel everything = everything_with(best.scene.model);
-  // With a full lens model, heights are all that can be added: both solutions would be the same.
-  const auto has_full_lens = [&] { return best.scene.model.radial && best.scene.model.tangential; };
   BundleSolution all = solve(everything, best.scene, best.frames);
-  if (!has_full_lens()) take_if_better(solve_heights(all));
+  take_if_better(solve_heights(all));
   take_if_better(std::move(all));
   if (auto start = with_heights_for_scales(prior, best))
     take_if_better(solve_heights({*std::move(start), best.frames}));
   if (prior.u_camera[0] > 0.0 && best.scene.camera.fx > kLongFocal * side) {
     const BundleSolution start = at_focal_length(best, kShortFocal * side / best.scene.camera.fx);
-    if (!has_full_lens()) take_if_better(solve_heights(start));
+    // With a full lens model both solutions would be the same.
+    if (!(best.scene.model.radial && best.scene.model.tangential)) take_if_better(solve_heights(start));
     take_if_better(solve(everything, start.scene, start.frames));
   }
   return best;

@@ -13,7 +13,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kMaxSteps = 80;  // chosen
+constexpr int kMaxSteps = 40;  // chosen
 // Fraction of the cost below which a gain ends the iteration. For 10000 residuals 1e-7 is 1e-3, which moves a parameter
 // by 0.03 u. The coarse limit is chosen.
 constexpr double kLittle = 1e-7, kLittleOfChi2 = 1e-3;
