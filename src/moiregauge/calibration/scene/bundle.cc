@@ -120,7 +120,8 @@ Minimum minimised(const Bundle::Footage& footage, std::span<const SceneParameter
   double damping = kFirstDamping;
   for (int taken = 0; taken < kMaxSteps; ++taken) {
     const BundleNormal normal(footage.patches, free, best.state);
-    const bool is_fine = until == Until::kConverged && best.data < kFits * static_cast<double>(footage.rows);
+    const bool fits = best.data < kFits * static_cast<double>(footage.rows);
+    const bool is_fine = until == Until::kConverged || (until == Until::kConvergedIfItFits && fits);
     const double cost = best.cost(), little = (is_fine ? kLittle : kLittleOfChi2) * cost;
     bool better = false;
     for (; !better && damping < kMaxDamping; damping *= better ? kLessDamping : kMoreDamping) {

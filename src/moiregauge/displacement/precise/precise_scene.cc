@@ -111,14 +111,16 @@ class SceneSolver {
   // to frame time.
   void solve() {
     const auto given = options_.readout_s;
-    // The print error takes most of the time, and a scene with a rolling shutter has one of its own. Only the test of the
-    // references needs it earlier.
+    // The print error takes most of the time, and a scene with a rolling shutter has one of its own. A test that can name
+    // a moving reference needs both this print error and full convergence.
+    const bool names = can_name_reference(references_in(site_, out_.frames.front()), reference_.knows_camera());
+    const Until until = names ? Until::kConverged : Until::kConvergedIfItFits;
     Calibration& at_once = out_.calibration =
-        calibrate(site_, key_frames_of(out_.frames), prior_, {.print_error = false});
+        calibrate(site_, key_frames_of(out_.frames), prior_, {.until = until, .print_error = false});
     is_complete_ = false;
     if (given == 0.0 || (!given && is_solved() && !at_once.shutter.suggests_rolling_shutter)) return complete();
     if (!given && is_solved()) {
-      if (can_name_reference(references_in(site_, out_.frames.front()), reference_.knows_camera())) {
+      if (names) {
         complete();
         exclude_explaining_reference();
       }
