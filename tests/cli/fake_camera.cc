@@ -3,10 +3,12 @@
 //
 //     fake_camera SERIAL IMAGES LOST_SHARE
 //
-// Shows IMAGES frames of the small rig over and over: the even ones forwards, the odd ones backwards. So nothing jumps, and
-// no two images in a row are the same, even if one between them is lost. Its client sets rate and region. The image is in
-// the top-left corner of the region. LOST_SHARE of the packets are lost. Prints `truth INDEX DX_MM DY_MM` for every image
-// in this order, relative to the first, then `ready`. Runs until its standard input ends, then prints `sent FRAMES`.
+// Shows IMAGES frames of the small rig over and over: the even ones forwards, the odd ones backwards. So nothing jumps,
+// and no two images in a row are the same, even if one between them is lost. Noise is independent for kPeriods periods.
+// With the same noise in every period, a chance likeness of two images would count each time, and could look like an
+// average over time. Its client sets rate and region. The image is in the top-left corner of the region. LOST_SHARE of
+// the packets are lost. Prints `truth INDEX DX_MM DY_MM` for every image in this order, relative to the first, then
+// `ready`. Runs until its standard input ends, then prints `sent FRAMES`.
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
@@ -24,8 +26,10 @@ namespace {
 using moiregauge::internal::Image;
 namespace simulator = moiregauge::internal::simulator;
 
+constexpr int kPeriods = 6;
+
 struct Footage {
-  std::vector<Image<std::uint8_t>> images;
+  std::vector<Image<std::uint8_t>> images;  // all periods
   std::atomic<std::size_t> sent = 0;
 };
 
@@ -51,15 +55,17 @@ int main(int count, char** words) {
     return 2;
   }
   Footage footage;
-  const auto scenario = simulator::built_in("small-1x");
+  auto scenario = simulator::built_in("small-1x");
   if (!scenario) return 1;
   const auto target = std::find_if(scenario->markers.begin(), scenario->markers.end(), [](const auto& marker) {
     return marker.print.role == moiregauge::internal::Role::kTarget;
   });
   const int images = std::max(2, std::atoi(words[2]));
-  for (int i = 0; i < images; ++i) {
+  for (int shown = 0; shown < kPeriods * images; ++shown, scenario->seed += shown % images == 0) {
+    const int i = shown % images;
     const long frame = std::min(2 * i, 2 * (images - i) - 1);
     footage.images.push_back(simulator::render8(*scenario, frame, {0, simulator::Area::kMarkersOnly}));
+    if (shown >= images) continue;
     const auto truth = simulator::truth(*scenario, frame, *target);
     std::printf("truth %d %.9f %.9f\n", i, truth.dx_mm, truth.dy_mm);
   }

@@ -9,7 +9,7 @@ namespace moiregauge::internal {
 // Steps on slopes of an image, along its rows or columns.
 struct SlopeSteps {
   long all = 0;       // levels with a jump from below and a jump of the same sign above
-  long repeated = 0;  // those that two or more successive pixels share
+  long repeated = 0;  // those that two or more successive pixels share, less the jumps of other lines between them
 };
 
 // Counts the steps along all rows and columns of a part of an image. A jump is at least `least_jump` grey levels.

@@ -45,5 +45,25 @@ TEST(RepeatedPixels, AreCountedInAnEnlargedImage) {
   EXPECT_GT(share(3.0, 0.0), 0.9);
 }
 
+// A cosine of 12 px with the amplitude of 20 grey levels has slopes, but no edges. Noise of 3 grey levels often makes
+// neighbours equal there.
+TEST(RepeatedPixels, EqualLevelsByNoiseAreNotCounted) {
+  constexpr int kPictureSide = 200;
+  constexpr double kPitch_px = 12.0;
+  std::mt19937 random(12);
+  std::normal_distribution<double> grain(0.0, 3.0);
+  Image<std::uint8_t> picture(kPictureSide, kPictureSide);
+  for (int y = 0; y < kPictureSide; ++y) {
+    for (int x = 0; x < kPictureSide; ++x) {
+      const auto wave = [](double at) { return std::cos(2.0 * M_PI * at / kPitch_px); };
+      const double grey = 120.0 + 10.0 * wave(x + 0.05 * y) + 10.0 * wave(y - 0.05 * x) + grain(random);
+      picture.at(x, y) = static_cast<std::uint8_t>(std::lround(grey));
+    }
+  }
+  const SlopeSteps steps = count_slope_steps(picture.view(), 0.08 * 40.0);
+  EXPECT_GT(steps.all, 200);
+  EXPECT_EQ(steps.repeated, 0);
+}
+
 }  // namespace
 }  // namespace moiregauge::internal

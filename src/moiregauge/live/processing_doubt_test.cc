@@ -97,5 +97,24 @@ TEST(ProcessingDoubt, AStrongAverageHidesTheCamerasMotion) {
   EXPECT_EQ(averaged(0.6, 0.02), Status::kUntrusted);
 }
 
+// Returns the status of a moving target whose blur grows with its movement by `slope`, in frames^2.
+Status blurred(double slope, double u) {
+  CameraProcessing processing;
+  processing.echo.blur = {slope, u};
+  ProcessingDoubt doubt;
+  Samples before = at(0, 0.0), samples = at(1, 1.0);
+  doubt.apply(processing, true, {0, 0.0}, before);
+  doubt.apply(processing, true, {1, 0.0}, samples);
+  return samples.front().status;
+}
+
+// The longest exposure has a slope of 1/6. Three equal frames have 2/3.
+TEST(ProcessingDoubt, BlurOfLargeUncertaintyNeedsMoreEvidence) {
+  EXPECT_EQ(blurred(0.66, 0.2), Status::kUntrusted);
+  EXPECT_EQ(blurred(0.5, 0.2), Status::kOk);
+  EXPECT_EQ(blurred(11.3, 4.7), Status::kOk);
+  EXPECT_EQ(blurred(20.0, 4.7), Status::kUntrusted);
+}
+
 }  // namespace
 }  // namespace moiregauge::internal

@@ -204,7 +204,7 @@ std::string sentence_of_rows(const WordedRun& run) {
 std::string sentence_of_references(const Measurement& m) {
   if (m.references_verified) return "The references were checked against each other. None of those in use moved.";
   return m.reference->circles.size() <= 4
-             ? "The references were not checked for movement, which needs 6 references (5 with --camera)."
+             ? "The references cannot check each other, which needs 6 references (5 with --camera)."
              : "The references could not be checked against each other.";
 }
 

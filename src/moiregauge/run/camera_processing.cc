@@ -81,6 +81,9 @@ constexpr double kEqualFrames = 0.15;
 // Blur where no noise is left to compare: distance of its growth with movement from that of the longest exposure, in
 // u, and least distance. Without an average, eight codecs had up to 0.04 above zero. Chosen.
 constexpr double kSureOfBlur = 2.0, kBlurOfCodec = 0.02;
+// The same distance where u is larger than half the 2/3 of three equal frames. Such a recording shows little, and chance
+// would look like an average in one of 40. Chosen.
+constexpr double kSureOfUnclearBlur = 4.0, kUnclearBlur = 1.0 / 3.0;
 
 constexpr double kMoves = 2.5;  // significant movement within the longest lag, in u (chosen)
 
@@ -279,7 +282,8 @@ std::optional<Averaging> averaging_shown(const CameraProcessing& processing, boo
         fmt::format("the gratings show {:.2f} of the images before and after, u {:.2f}", both.share, both.u), remedy,
         1.0};
   const BlurSlope& blur = processing.echo.blur;
-  if (blur.slope > kBlurOfExposure + std::max(kBlurOfCodec, kSureOfBlur * blur.u))
+  const double sure = blur.u < kUnclearBlur ? kSureOfBlur : kSureOfUnclearBlur;
+  if (blur.slope > kBlurOfExposure + std::max(kBlurOfCodec, sure * blur.u))
     return Averaging{
         fmt::format("blur grows with movement {:.1f} times as much as the longest exposure explains, u {:.1f}",
                     blur.slope / kBlurOfExposure, blur.u / kBlurOfExposure),

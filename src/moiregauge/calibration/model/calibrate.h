@@ -22,7 +22,7 @@ struct ShutterTest {
 struct CalibrateOptions {
   Until until = Until::kConverged;  // stop criterion of each solution
   bool tilts = true;                // false: all prints are parallel to the plane
-  bool print_error = true;          // false: as far as the shutter test, for add_print_error
+  bool print_error = true;          // false: without print error and covariance, for add_print_error
 };
 
 struct Calibration {

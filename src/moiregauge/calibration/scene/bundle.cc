@@ -17,8 +17,8 @@ constexpr int kMaxSteps = 40;  // chosen
 // Fraction of the cost below which a gain ends the iteration. For 10000 residuals 1e-7 is 1e-3, which moves a parameter
 // by 0.03 u. The coarse limit is chosen.
 constexpr double kLittle = 1e-7, kLittleOfChi2 = 1e-3;
-// Largest chi2/dof at which the finer limit holds. Beyond it the model is wrong. Its valley can take hundreds of steps,
-// and a larger model or the print error gives another scene. Chosen.
+// Largest chi2/dof at which kConvergedIfItFits uses the finer limit. Beyond it the model is wrong. Its valley can take
+// hundreds of steps, and a larger model or the print error gives another scene. Chosen.
 constexpr double kFits = 2.0;
 // Marquardt damping, relative to the diagonal. It starts at almost zero because poses and shifts come from fits of
 // their own. The limits are chosen.

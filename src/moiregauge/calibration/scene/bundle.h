@@ -77,7 +77,7 @@ struct BundleSolution {
 
 enum class FocalLength { kAsModel, kHeld };
 // Stop criterion: full convergence, or chi2 known to a thousandth. The second takes few steps even along a flat valley.
-// kConvergedIfItFits is the second as long as residuals contradict the solution (chi2/dof above 2).
+// kConvergedIfItFits: the first, but the second while residuals contradict the solution (chi2/dof above 2).
 enum class Until { kConverged, kConvergedIfItFits, kChi2Converged };
 
 // Prepares once what all solutions from the same frames share.

@@ -14,7 +14,6 @@
 #include "moiregauge/displacement/precise/height_claim.h"
 #include "moiregauge/displacement/precise/precise_prior.h"
 #include "moiregauge/displacement/precise/reference_fault.h"
-#include "moiregauge/observation/frame/slipped_circle.h"
 #include "moiregauge/observation/print/overshoot.h"
 
 namespace moiregauge::internal {
@@ -113,7 +112,7 @@ class SceneSolver {
     const auto given = options_.readout_s;
     // The print error takes most of the time, and a scene with a rolling shutter has one of its own. A test that can name
     // a moving reference needs both this print error and full convergence.
-    const bool names = can_name_reference(references_in(site_, out_.frames.front()), reference_.knows_camera());
+    const bool names = names_reference(out_.frames);
     const Until until = names ? Until::kConverged : Until::kConvergedIfItFits;
     Calibration& at_once = out_.calibration =
         calibrate(site_, key_frames_of(out_.frames), prior_, {.until = until, .print_error = false});
@@ -145,6 +144,11 @@ class SceneSolver {
     out_.with_movements = shutter.with_movements;
     out_.calibration = std::move(shutter.calibration);
     out_.shutter = std::move(shutter);
+  }
+
+  // Returns true if the references of these frames can name the one that moves.
+  [[nodiscard]] bool names_reference(const FrameSeries& frames) const {
+    return can_name_reference(references_in(site_, frames.front()), reference_.knows_camera());
   }
 
   // Completes the scene of a global shutter by the print error.
@@ -293,10 +297,10 @@ class SceneSolver {
   void report_doubt(const ReferenceVerdict& verdict, std::string what = {}) {
     out_.doubtful = true;
     // As read, because one may be excluded.
-    const bool has_six = references_in(site_, read_.front()) >= kMinReferencesForSlip;
     const std::string parts = verdict.step ? parts_at_rest(*verdict.step) : "";
-    out_.remedy = fmt::format("{}{}{}", parts, parts.empty() ? "" : ", or ",
-                              has_six ? "fasten the references" : "use six references, which show the one that moves");
+    out_.remedy = fmt::format(
+        "{}{}{}", parts, parts.empty() ? "" : ", or ",
+        names_reference(read_) ? "fasten the references" : "use six references, which show the one that moves");
     if (what.empty())
       what = fmt::format("one of the references moves{}, and the layout does not show which",
                          verdict.step ? when_of(*verdict.step) : "");
