@@ -24,9 +24,9 @@ double pitch_px_of(const PatchFit& patch, int from, int to) {
   return length(print) > 0.0 ? length(image) / length(print) : 0.0;
 }
 
-// Returns u along the grating's axes, pitches. 0 along an axis that it does not show.
-std::array<double, 2> codec_u_pitches(const PatchFit& patch, const Quantiser& quantiser, Lag lag) {
-  std::array<double, 2> u{};
+// Returns both parts along the grating's axes, pitches. 0 along an axis that it does not show.
+std::array<CodecParts, 2> codec_parts_pitches(const PatchFit& patch, const Quantiser& quantiser, Lag lag) {
+  std::array<CodecParts, 2> u{};
   if (!(quantiser.step > 0.0) || patch.pixels <= 0) return u;
   for (const int axis : {0, 1}) {
     const double energy =
@@ -35,19 +35,22 @@ std::array<double, 2> codec_u_pitches(const PatchFit& patch, const Quantiser& qu
     const double pitch_px = axis == 0 ? pitch_px_of(patch, 3, 5) : pitch_px_of(patch, 1, 7);
     if (!(energy > 0.0) || !(pitch_px > 0.0)) continue;
     const double slope = std::sqrt(energy / patch.pixels) / pitch_px;
-    u[static_cast<std::size_t>(axis)] = codec_u_px(quantiser, lag, slope, patch.pixels) / pitch_px;
+    const CodecParts px = codec_parts_px(quantiser, lag, slope, patch.pixels);
+    u[static_cast<std::size_t>(axis)] = {px.lag / pitch_px, px.rounding / pitch_px};
   }
   return u;
 }
 
-// Returns (C + V)^-1. C^-1 = information may be singular.
-PatchInformation widened(const PatchInformation& information, const std::array<double, 2>& u) {
+// Returns (C + V)^-1. C^-1 = information may be singular. Each point has a ninth of the area, and blocks are
+// rounded independently. So the mean of nine points has the rounding of the whole area.
+PatchInformation widened(const PatchInformation& information, const std::array<CodecParts, 2>& u) {
   PatchInformation v = PatchInformation::Zero();
   for (const int axis : {0, 1}) {
     auto block = v.block<kPatchPoints, kPatchPoints>(axis * kPatchPoints, axis * kPatchPoints);
+    const auto [lag, rounding] = u[static_cast<std::size_t>(axis)];
     block.setIdentity();
-    block.array() += 1.0;
-    block *= std::pow(u[static_cast<std::size_t>(axis)], 2);
+    block *= lag * lag + kPatchPoints * rounding * rounding;
+    block.array() += lag * lag;
   }
   const PatchInformation a = PatchInformation::Identity() + information * v;
   const PatchInformation out = a.partialPivLu().solve(information);
@@ -56,13 +59,18 @@ PatchInformation widened(const PatchInformation& information, const std::array<d
 
 }  // namespace
 
-double codec_u_px(const Quantiser& quantiser, Lag lag, double slope_rms, double area_px) {
-  if (!(quantiser.step > 0.0) || !(slope_rms > 0.0)) return 0.0;
+CodecParts codec_parts_px(const Quantiser& quantiser, Lag lag, double slope_rms, double area_px) {
+  if (!(quantiser.step > 0.0) || !(slope_rms > 0.0)) return {};
   const double dead_zone = dead_zone_px(quantiser.step, slope_rms);
   const double rounded = kRoundedShare * dead_zone * std::sqrt(kBlock_px / std::max(area_px, kBlock_px));
-  if (!quantiser.predicted) return rounded;
+  if (!quantiser.predicted) return {0.0, rounded};
   const double lagging = (lag == Lag::kOwn ? kOwnShare : kSharedShare) * dead_zone;
-  return std::hypot(lagging / std::hypot(1.0, lagging / kMaxLag_px), rounded);
+  return {lagging / std::hypot(1.0, lagging / kMaxLag_px), rounded};
+}
+
+double codec_u_px(const Quantiser& quantiser, Lag lag, double slope_rms, double area_px) {
+  const auto [lagging, rounding] = codec_parts_px(quantiser, lag, slope_rms, area_px);
+  return std::hypot(lagging, rounding);
 }
 
 CodecHistory::CodecHistory(const Reference& reference, const Observations& observations)
@@ -138,7 +146,7 @@ BundleFrame with_codec_error(const BundleFrame& frame, const CodecHistory& codec
   BundleFrame out = frame;
   for (std::size_t i = 0; i < out.points.size() && i < quantisers.size(); ++i) {
     if (!out.points[i] || quantisers[i].is_lossless()) continue;
-    const auto u = codec_u_pitches(*out.points[i], quantisers[i], codec.lag_of(i));
+    const auto u = codec_parts_pitches(*out.points[i], quantisers[i], codec.lag_of(i));
     out.points[i]->information = widened(out.points[i]->information, u);
   }
   return out;
@@ -152,7 +160,8 @@ BundleFrame with_codec_error(const BundleFrame& frame, const CodecHistory& codec
     if (!out.points[i]) continue;
     const Quantiser quantiser = observation ? codec.at(*observation, i) : codec.in_reference_frame(i);
     const Lag lag = observation ? codec.lag_of(i) : codec.lag_in_reference_frame(i);
-    out.points[i]->information = widened(out.points[i]->information, codec_u_pitches(*out.points[i], quantiser, lag));
+    out.points[i]->information =
+        widened(out.points[i]->information, codec_parts_pitches(*out.points[i], quantiser, lag));
   }
   return out;
 }

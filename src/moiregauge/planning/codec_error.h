@@ -28,8 +28,14 @@ namespace moiregauge::internal {
 // camera have errors of 0.1 to 0.6 of it rms, at most 1.1. References before a moving camera differ by at most 0.2.
 enum class Lag { kOwn, kShared };
 
-// Returns the standard uncertainty along one axis, px. 0 if nothing is lost, or if the grating does not show the axis.
+// Standard uncertainties along one axis. The whole grating lags. Rounding is independent in every block.
+struct CodecParts {
+  double lag = 0.0, rounding = 0.0;
+};
+
+// Return both parts, or the standard uncertainty by both, along one axis, px. 0 if nothing is lost, or if the grating does not show the axis.
 // `slope_rms`: slope of the grey levels along the axis, grey levels/px. `area_px`: area of the grating, px^2.
+[[nodiscard]] CodecParts codec_parts_px(const Quantiser& quantiser, Lag lag, double slope_rms, double area_px);
 [[nodiscard]] double codec_u_px(const Quantiser& quantiser, Lag lag, double slope_rms, double area_px);
 
 // Quantisers by observation and marker. Skipped blocks report the step of an earlier block, so the largest step within
@@ -61,8 +67,9 @@ class CodecHistory {
   bool lossy_ = false;
 };
 
-// Returns the frame with the codec's error in the points' covariance: u once to each coordinate of the nine points and
-// once in common. `observation`: its index; nothing for the reference frame.
+// Returns the frame with the codec's error in the points' covariance. Lag counts once for each coordinate of the nine
+// points and once in common. Rounding counts for each point with its ninth of the area.
+// `observation`: its index; nothing for the reference frame.
 [[nodiscard]] BundleFrame with_codec_error(const BundleFrame& frame, const CodecHistory& codec,
                                            std::optional<std::size_t> observation);
 // Does the same for a frame after the observations of `codec`. `quantisers`: by marker.

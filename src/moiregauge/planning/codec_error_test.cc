@@ -49,35 +49,54 @@ Block rounding_error(const Block& grey, double step) {
   return cosine.transpose() * (rounded - coefficients) * cosine;
 }
 
-// The grating is at a different position in each of 100 frames. Least squares reads it: d = sum(e g) / sum(g^2). u of
-// `precise` contains the residual, too. 100 frames show an rms to 7 %, so three standard deviations are 1.2.
-TEST(CodecError, RoundingOfKeyFramesIsWithinU) {
-  constexpr double kPitch = 13.3, kAmplitude = 60.0;
-  constexpr int kBlocks = 6;
-  constexpr double kPixels = 64.0 * kBlocks * kBlocks;
-  for (const double step : {6.0, 20.0, 40.0}) {
-    double squares = 0.0, slope2 = 0.0, residual2 = 0.0;
-    for (int frame = 0; frame < 100; ++frame) {
-      double moved = 0.0, power = 0.0, left2 = 0.0;
-      for (int n = 0; n < kBlocks * kBlocks; ++n) {
-        Block grey, slope;
-        for (int y = 0; y < 8; ++y) {
-          for (int x = 0; x < 8; ++x) {
-            const double px = 8 * (n % kBlocks) + x + 0.137 * frame, py = 8 * (n / kBlocks) + y + 0.071 * frame;
-            const double w = kTwoPi / kPitch;
-            grey(y, x) = 120.0 + kAmplitude * (std::cos(w * px) + 0.5 * std::cos(w * py));
-            slope(y, x) = -kAmplitude * w * std::sin(w * px);
-          }
+// A grating of 48 x 48 px behind a codec that rounds each block on its own. It is at a different position in each of
+// 100 frames.
+constexpr int kRoundedBlocks = 6, kRoundedFrames = 100;
+constexpr double kRoundedPixels = 64.0 * kRoundedBlocks * kRoundedBlocks, kRoundedHalf_px = 4.0 * kRoundedBlocks;
+struct Rounded {
+  double shift2 = 0.0, size2 = 0.0;      // mean squares of shift, px^2, and relative size along x
+  double slope2 = 0.0, residual2 = 0.0;  // mean squares of the slope, and of the shift by independent residuals, px^2
+  // u of the shift. That of `precise` contains the residual, too.
+  [[nodiscard]] double u(double step) const {
+    return std::hypot(codec_u_px({step, false}, Lag::kOwn, std::sqrt(slope2), kRoundedPixels), std::sqrt(residual2));
+  }
+};
+
+// Reads shift and size by least squares: d = sum(e g) / sum(g^2).
+Rounded rounded(double step) {
+  constexpr double kPitch = 13.3, kAmplitude = 60.0, w = kTwoPi / kPitch;
+  Rounded all;
+  for (int frame = 0; frame < kRoundedFrames; ++frame) {
+    double moved = 0.0, power = 0.0, left2 = 0.0, grown = 0.0, size_power = 0.0;
+    for (int n = 0; n < kRoundedBlocks * kRoundedBlocks; ++n) {
+      Block grey, slope, from_middle;
+      for (int y = 0; y < 8; ++y) {
+        for (int x = 0; x < 8; ++x) {
+          const int column = 8 * (n % kRoundedBlocks) + x, row = 8 * (n / kRoundedBlocks) + y;
+          const double px = column + 0.137 * frame, py = row + 0.071 * frame;
+          grey(y, x) = 120.0 + kAmplitude * (std::cos(w * px) + 0.5 * std::cos(w * py));
+          slope(y, x) = -kAmplitude * w * std::sin(w * px);
+          from_middle(y, x) = column + 0.5 - kRoundedHalf_px;
         }
-        const Block error = rounding_error(grey, step);
-        moved += error.cwiseProduct(slope).sum(), power += slope.squaredNorm(), left2 += error.squaredNorm();
       }
-      squares += std::pow(moved / power, 2) / 100.0, slope2 += power / kPixels / 100.0;
-      residual2 += left2 / kPixels / power / 100.0;
+      const Block error = rounding_error(grey, step), size = slope.cwiseProduct(from_middle);
+      moved += error.cwiseProduct(slope).sum(), power += slope.squaredNorm(), left2 += error.squaredNorm();
+      grown += error.cwiseProduct(size).sum(), size_power += size.squaredNorm();
     }
-    const double u = std::hypot(codec_u_px({step, false}, Lag::kOwn, std::sqrt(slope2), kPixels), std::sqrt(residual2));
-    EXPECT_LT(std::sqrt(squares), 1.2 * u) << step;
-    EXPECT_GT(std::sqrt(squares), u / 4.0) << step;
+    all.shift2 += std::pow(moved / power, 2) / kRoundedFrames,
+        all.size2 += std::pow(grown / size_power, 2) / kRoundedFrames;
+    all.slope2 += power / kRoundedPixels / kRoundedFrames,
+        all.residual2 += left2 / kRoundedPixels / power / kRoundedFrames;
+  }
+  return all;
+}
+
+// 100 frames show an rms to 7 %, so three standard deviations are 1.2.
+TEST(CodecError, RoundingOfKeyFramesIsWithinU) {
+  for (const double step : {6.0, 20.0, 40.0}) {
+    const Rounded found = rounded(step);
+    EXPECT_LT(std::sqrt(found.shift2), 1.2 * found.u(step)) << step;
+    EXPECT_GT(std::sqrt(found.shift2), found.u(step) / 4.0) << step;
   }
 }
 
@@ -94,6 +113,31 @@ PatchFit patch(double slope_per_px) {
   // sigma^2 times the sum of the information along an axis is the energy of the slopes per pitch^2.
   fit.sigma = std::sqrt(fit.pixels * std::pow(slope_per_px * 20.0, 2) / (9.0 * 1e4));
   return fit;
+}
+
+// Blocks are rounded independently, so the size is as uncertain as independent pixels make it. The middle of a square of
+// half side H has the same lever as points at H / sqrt(2). A tenth is added to 1.2 as above: at the coarsest step, errors
+// of neighbouring blocks are alike.
+TEST(CodecError, RoundingChangesTheSizeAsMuchAsThePointsAllow) {
+  BundleFrame frame;
+  frame.points = {patch(10.0)};
+  frame.points[0]->information *= 1e9, frame.points[0]->sigma /= std::sqrt(1e9);  // rounding alone
+  Reference reference;
+  reference.site.markers.resize(1), reference.seen.markers.resize(1);
+  Observation seen;
+  seen.markers.resize(1);
+  seen.markers[0].quantiser = kAlone;
+  const BundleFrame wide = with_codec_error(frame, CodecHistory(reference, {seen}), 0);
+  const Eigen::Matrix<double, 9, 9> c = wide.points[0]->information.inverse().topLeftCorner<9, 9>();
+  Eigen::Matrix<double, 9, 1> along;
+  along << -1, 0, 1, -1, 0, 1, -1, 0, 1;
+  const double size_to_shift = std::sqrt(along.dot(c * along) / 36.0) / std::sqrt(c.sum() / 81.0);
+  for (const double step : {6.0, 20.0, 40.0}) {
+    const Rounded found = rounded(step);
+    const double size = std::sqrt(found.size2) * kRoundedHalf_px / std::sqrt(2.0);
+    EXPECT_LT(size, 1.3 * size_to_shift * found.u(step)) << step;
+    EXPECT_GT(size, size_to_shift * found.u(step) / 4.0) << step;
+  }
 }
 
 Reference reference_of_two() {
@@ -116,16 +160,17 @@ Observations observations(const std::vector<double>& steps) {
   return all;
 }
 
-TEST(CodecError, TheMeanOfAReadingHasTheUncertaintyOfNoiseAndLag) {
+// Lag is 10/9 because each point has it once of its own and once in common.
+TEST(CodecError, TheMeanOfAReadingHasTheUncertaintyOfNoiseLagAndRounding) {
   BundleFrame frame;
   frame.points = {patch(10.0), patch(10.0)};
   const CodecHistory codec(reference_of_two(), observations({10.0, 10.0}));
   const BundleFrame wide = with_codec_error(frame, codec, 1);
   for (const std::size_t i : {0U, 1U}) {
-    const double u = codec_u_px({10.0, true}, codec.lag_of(i), 10.0, 10000.0) / 20.0;
+    const auto [lag, rounding] = codec_parts_px({10.0, true}, codec.lag_of(i), 10.0, 10000.0);
     const PatchInformation c = wide.points[i]->information.inverse();
     const double mean = c.topLeftCorner<9, 9>().sum() / 81.0;
-    EXPECT_NEAR(mean, 1e-4 / 9.0 + u * u * (1.0 + 1.0 / 9.0), 1e-9);
+    EXPECT_NEAR(mean, 1e-4 / 9.0 + (lag * lag * 10.0 / 9.0 + rounding * rounding) / 400.0, 1e-12);
     EXPECT_NEAR((c.topRightCorner<9, 9>().norm()), 0.0, 1e-12);
   }
   EXPECT_GT(wide.points[0]->information.trace(),

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "moiregauge/displacement/follower.h"
+#include "moiregauge/observation/print/few_frames.h"
 #include "moiregauge/run/codec.h"
 
 namespace moiregauge::internal {
@@ -18,8 +19,10 @@ constexpr std::size_t kMaxTiles = 96;
 // Largest movement of the references between frames, px, at which the camera counts as still. The movement model of a
 // tile is linear: at 0.1 px it leaves 0.1^2 / 2 = 0.005 of the second derivative.
 constexpr double kStill_px = 0.1;
-constexpr double kAnchor = 0.2;     // largest shift of a circle from its tiles, in diameters (chosen)
-constexpr double kEdge_px = 3.0;    // px, width of the blurred edge of a circle: 3 sigma of a usual point spread
+constexpr double kAnchor = 0.2;   // largest shift of a circle from its tiles, in diameters (chosen)
+constexpr double kEdge_px = 3.0;  // px, width of the blurred edge of a circle: 3 sigma of a usual point spread
+// px, the same behind a lossy codec: what it rounds in an edge shows in the whole block of 8 x 8 pixels.
+constexpr double kCodedEdge_px = kEdge_px + 10.0;
 constexpr double kDiscTiles = 0.6;  // side of the square of tiles inside a circle, in diameters (inscribed: 0.71)
 
 // Upper limit of the grain ratio (one frame apart to two apart) for frames that are not independent, camera still.
@@ -115,11 +118,12 @@ std::vector<PixelPosition> tiles_of(const Reference& reference, const View& view
 
 // Returns for each tile whether it lies inside a circle. Elsewhere edges move through a tile. They change grey levels
 // twice as much in two frames as in one, and an average over time looks the same.
-std::vector<bool> lie_on_discs(const std::vector<PixelPosition>& tiles, const Reference& reference, const View& view) {
+std::vector<bool> lie_on_discs(const std::vector<PixelPosition>& tiles, const Reference& reference, const View& view,
+                               double edge_px) {
   std::vector<bool> on(tiles.size(), false);
   for (const CirclePoint& point : reference.circles) {
     const ImagePoint at = view(point.board);
-    const double radius = 0.5 * reference.diameter_px(point, view) - kEdge_px;
+    const double radius = 0.5 * reference.diameter_px(point, view) - edge_px;
     for (std::size_t t = 0; t < tiles.size(); ++t) {
       constexpr double kHalf = 0.5 * (kGrainTile - 1);
       const double far_x = std::abs(tiles[t].x + kHalf - at.x) + kHalf;
@@ -157,7 +161,10 @@ double u_of_ratio(const GrainSums& grain) {
   const double ratio = grain.one_apart / grain.two_apart;
   const auto& [aa, ab, bb] = grain.products;
   const double scatter = std::max(0.0, aa - 2.0 * ratio * ab + ratio * ratio * bb);
-  return std::sqrt(std::max(2.0 / grain.values, scatter / (grain.two_apart * grain.two_apart)));
+  const double square = grain.two_apart * grain.two_apart;
+  // Behind a coarse codec the grain of few tiles decides. Each frame counts three times.
+  const double few = enlargement_of_few(square / bb / 3.0);
+  return std::sqrt(std::max(2.0 / grain.values, few * few * scatter / square));
 }
 
 // Returns true if the noise of consecutive frames is correlated.
@@ -379,10 +386,11 @@ void ProcessingWatch::add(const Reference& reference, const Observation& seen, c
   }
   last_.insert(last_.begin(), std::move(centres));
   if (last_.size() > 3) last_.pop_back();
-  sampler_.add(frame.luma, (1 << bits) - 1,
-               {.is_still = is_still(last_),
-                .is_lossless = codec.is_lossless(),
-                .is_uniform = lie_on_discs(sampler_.tiles(), reference, view)});
+  sampler_.add(
+      frame.luma, (1 << bits) - 1,
+      {.is_still = is_still(last_),
+       .is_lossless = codec.is_lossless(),
+       .is_uniform = lie_on_discs(sampler_.tiles(), reference, view, codec.is_lossless() ? kEdge_px : kCodedEdge_px)});
 }
 
 CameraProcessing ProcessingWatch::result(long since) const {

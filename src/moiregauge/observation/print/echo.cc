@@ -29,9 +29,10 @@ constexpr double kVisible_px = 0.3;  // smallest D. A beyond the fit's columns h
 // The same behind a codec that predicts. Its own lag is 0.12 px at most (quantiser.h). Without an average the shares are
 // then below 0.004 (tests/studies/averaged_study.py).
 constexpr double kVisiblePredicted_px = 1.0;
-constexpr double kBothSides_px = 2.0;    // smallest D for the images before and after; chosen
-constexpr int kMinForEdges = 300;        // pixels, for 17 unknowns
-constexpr double kMaxShareError = 0.05;  // u of one frame's share. Chosen.
+// Range of D for the images before and after. Half a pitch apart they are the image itself, upside down.
+constexpr double kBothSides_px = 2.0, kBothSidesPitches = 0.25;  // chosen
+constexpr int kMinForEdges = 300;                                // pixels, for 17 unknowns
+constexpr double kMaxShareError = 0.05;                          // u of one frame's share. Chosen.
 // The same for both sides. Sinusoidal gratings with a larger u showed shares of 0.02 to 0.19 without an average. Two
 // equal frames show 0.1.
 constexpr double kMaxBothError = 0.01;
@@ -122,6 +123,12 @@ std::optional<double> mean_product(const std::vector<double>& now, const std::ve
     if (!std::isnan(residual)) sum += now[chosen[i]] * residual, ++count;
   }
   return count >= kMinChanged ? std::optional(sum / count) : std::nullopt;
+}
+
+// Returns the length of a pitch in the image, px. NaN: it is not shown.
+double pitch_px_of(const PatchFit& fit) {
+  const double across = fit.print[5].x - fit.print[3].x;
+  return across > 0.0 ? length(fit.image[5] - fit.image[3]) / across : kNaN;
 }
 
 // Returns the direction of a print's x axis in the image, of length 1.
@@ -271,7 +278,8 @@ std::optional<EchoWatch::EdgeShare> EchoWatch::share_by_edges_of(const SeenPrint
   if (!(sigma2 > 0.0 && odd > 0.0 && gain > 0.0)) return {};
   const auto went = now.centre - before.centre;
   // If the movement hardly changes the pattern but for its amplitude, errors of the template add to the share.
-  const bool shows_both = length(went) > kBothSides_px && even > 0.0 && std::sqrt(sigma2 * even) / gain < kMaxBothError;
+  const bool is_between = length(went) > kBothSides_px && length(went) < kBothSidesPitches * pitch_px_of(*print.fit);
+  const bool shows_both = is_between && even > 0.0 && std::sqrt(sigma2 * even) / gain < kMaxBothError;
   return EdgeShare{2.0 * x(kNuisances) / gain,
                    2.0 * std::sqrt(sigma2 * odd) / gain,
                    shows_both ? x(kNuisances - 1) / gain : kNaN,
@@ -290,8 +298,7 @@ void EchoWatch::add_edges(std::size_t marker, const EdgeShare& edges, SharesOfGr
 // average lies in the middle of its images. So the movement is that of both sides, as the root of the mean square.
 void EchoWatch::add_blur_of(const SeenPrint& print, Track& track) {
   const PatchFit& fit = *print.fit;
-  const double across = fit.print[5].x - fit.print[3].x;
-  const double pitch_px = across > 0.0 ? length(fit.image[5] - fit.image[3]) / across : kNaN;
+  const double pitch_px = pitch_px_of(fit);
   Moment& now = track.moments[0];
   now.along = x_axis_of(fit);
   for (std::size_t axis = 0; axis < 2; ++axis)
