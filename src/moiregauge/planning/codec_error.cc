@@ -41,8 +41,8 @@ std::array<CodecParts, 2> codec_parts_pitches(const PatchFit& patch, const Quant
   return u;
 }
 
-// Returns (C + V)^-1. C^-1 = information may be singular. Each point has a ninth of the area, and blocks are
-// rounded independently. So the mean of nine points has the rounding of the whole area.
+// Returns (C + V)^-1. C^-1 = information may be singular. Each point has a ninth of the area, and blocks are rounded
+// independently. So the mean of nine points has the rounding of the whole area.
 PatchInformation widened(const PatchInformation& information, const std::array<CodecParts, 2>& u) {
   PatchInformation v = PatchInformation::Zero();
   for (const int axis : {0, 1}) {

@@ -33,7 +33,8 @@ struct CodecParts {
   double lag = 0.0, rounding = 0.0;
 };
 
-// Return both parts, or the standard uncertainty by both, along one axis, px. 0 if nothing is lost, or if the grating does not show the axis.
+// Return both parts, or the standard uncertainty by both, along one axis, px. 0 if nothing is lost, or if the grating
+// does not show the axis.
 // `slope_rms`: slope of the grey levels along the axis, grey levels/px. `area_px`: area of the grating, px^2.
 [[nodiscard]] CodecParts codec_parts_px(const Quantiser& quantiser, Lag lag, double slope_rms, double area_px);
 [[nodiscard]] double codec_u_px(const Quantiser& quantiser, Lag lag, double slope_rms, double area_px);
