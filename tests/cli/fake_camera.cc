@@ -61,12 +61,13 @@ int main(int count, char** words) {
     return marker.print.role == moiregauge::internal::Role::kTarget;
   });
   const int images = std::max(2, std::atoi(words[2]));
-  for (int shown = 0; shown < kPeriods * images; ++shown, scenario->seed += shown % images == 0) {
-    const int i = shown % images;
-    const long frame = std::min(2 * i, 2 * (images - i) - 1);
-    footage.images.push_back(simulator::render8(*scenario, frame, {0, simulator::Area::kMarkersOnly}));
-    if (shown >= images) continue;
-    const auto truth = simulator::truth(*scenario, frame, *target);
+  const auto frame_of = [images](int i) { return long{std::min(2 * i, 2 * (images - i) - 1)}; };
+  for (int period = 0; period < kPeriods; ++period, ++scenario->seed) {
+    for (int i = 0; i < images; ++i)
+      footage.images.push_back(simulator::render8(*scenario, frame_of(i), {0, simulator::Area::kMarkersOnly}));
+  }
+  for (int i = 0; i < images; ++i) {
+    const auto truth = simulator::truth(*scenario, frame_of(i), *target);
     std::printf("truth %d %.9f %.9f\n", i, truth.dx_mm, truth.dy_mm);
   }
   ArvGvFakeCamera* camera = arv_gv_fake_camera_new("127.0.0.1", words[1]);

@@ -9,23 +9,28 @@
 namespace moiregauge::internal {
 namespace {
 
-// Dark lines every 20 px, rotated by 0.05 rad. Their edges rise from 10 to 90 % within 1.4 px. Every pixel shows the
-// scene at the top left corner of the larger pixel that contains it.
-Image<std::uint8_t> lines(double pixel_size, double noise) {
+// Returns a picture of waves along two axes that are rotated by 0.05 rad. Every pixel shows the scene at the top left
+// corner of the larger pixel that contains it. `wave`: grey levels at a position, px.
+template <typename Wave>
+Image<std::uint8_t> crossed(Wave wave, double pixel_size, double noise, unsigned seed) {
   constexpr int kPictureSide = 200;
-  constexpr double kPitch_px = 20.0;
-  std::mt19937 random(11);
+  std::mt19937 random(seed);
   std::normal_distribution<double> grain(0.0, 1.0);
   Image<std::uint8_t> picture(kPictureSide, kPictureSide);
   for (int y = 0; y < kPictureSide; ++y) {
     for (int x = 0; x < kPictureSide; ++x) {
       const double u = pixel_size * std::floor(x / pixel_size), v = pixel_size * std::floor(y / pixel_size);
-      const auto wave = [](double at) { return std::tanh(5.0 * std::sin(2.0 * M_PI * at / kPitch_px)); };
-      const double grey = 120.0 + 45.0 * wave(u + 0.05 * v) + 45.0 * wave(v - 0.05 * u) + noise * grain(random);
+      const double grey = 120.0 + wave(u + 0.05 * v) + wave(v - 0.05 * u) + noise * grain(random);
       picture.at(x, y) = static_cast<std::uint8_t>(std::lround(grey));
     }
   }
   return picture;
+}
+
+// Dark lines every 20 px. Their edges rise from 10 to 90 % within 1.4 px.
+Image<std::uint8_t> lines(double pixel_size, double noise) {
+  return crossed([](double at) { return 45.0 * std::tanh(5.0 * std::sin(2.0 * M_PI * at / 20.0)); }, pixel_size, noise,
+                 11);
 }
 
 double share(double pixel_size, double noise) {
@@ -48,18 +53,7 @@ TEST(RepeatedPixels, AreCountedInAnEnlargedImage) {
 // A cosine of 12 px with the amplitude of 20 grey levels has slopes, but no edges. Noise of 3 grey levels often makes
 // neighbours equal there.
 TEST(RepeatedPixels, EqualLevelsByNoiseAreNotCounted) {
-  constexpr int kPictureSide = 200;
-  constexpr double kPitch_px = 12.0;
-  std::mt19937 random(12);
-  std::normal_distribution<double> grain(0.0, 3.0);
-  Image<std::uint8_t> picture(kPictureSide, kPictureSide);
-  for (int y = 0; y < kPictureSide; ++y) {
-    for (int x = 0; x < kPictureSide; ++x) {
-      const auto wave = [](double at) { return std::cos(2.0 * M_PI * at / kPitch_px); };
-      const double grey = 120.0 + 10.0 * wave(x + 0.05 * y) + 10.0 * wave(y - 0.05 * x) + grain(random);
-      picture.at(x, y) = static_cast<std::uint8_t>(std::lround(grey));
-    }
-  }
+  const auto picture = crossed([](double at) { return 10.0 * std::cos(2.0 * M_PI * at / 12.0); }, 1.0, 3.0, 12);
   const SlopeSteps steps = count_slope_steps(picture.view(), 0.08 * 40.0);
   EXPECT_GT(steps.all, 200);
   EXPECT_EQ(steps.repeated, 0);

@@ -83,10 +83,10 @@ Rounded rounded(double step) {
       moved += error.cwiseProduct(slope).sum(), power += slope.squaredNorm(), left2 += error.squaredNorm();
       grown += error.cwiseProduct(size).sum(), size_power += size.squaredNorm();
     }
-    all.shift2 += std::pow(moved / power, 2) / kRoundedFrames,
-        all.size2 += std::pow(grown / size_power, 2) / kRoundedFrames;
-    all.slope2 += power / kRoundedPixels / kRoundedFrames,
-        all.residual2 += left2 / kRoundedPixels / power / kRoundedFrames;
+    all.shift2 += std::pow(moved / power, 2) / kRoundedFrames;
+    all.size2 += std::pow(grown / size_power, 2) / kRoundedFrames;
+    all.slope2 += power / kRoundedPixels / kRoundedFrames;
+    all.residual2 += left2 / kRoundedPixels / power / kRoundedFrames;
   }
   return all;
 }

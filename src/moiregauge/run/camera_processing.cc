@@ -21,7 +21,7 @@ constexpr std::size_t kMaxTiles = 96;
 constexpr double kStill_px = 0.1;
 constexpr double kAnchor = 0.2;   // largest shift of a circle from its tiles, in diameters (chosen)
 constexpr double kEdge_px = 3.0;  // px, width of the blurred edge of a circle: 3 sigma of a usual point spread
-// px, the same behind a lossy codec: what it rounds in an edge shows in the whole block of 8 x 8 pixels.
+// px, the same behind a lossy codec: what it rounds in an edge shows in the whole block, up to 7 sqrt(2) px away.
 constexpr double kCodedEdge_px = kEdge_px + 10.0;
 constexpr double kDiscTiles = 0.6;  // side of the square of tiles inside a circle, in diameters (inscribed: 0.71)
 
