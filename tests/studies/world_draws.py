@@ -4,7 +4,7 @@ import math
 import random
 
 GROUPS = ["clean", "rolling, stated", "rolling, not stated", "tone curve", "shadow and flicker", "fast vibration", "out of plane", "covered target",
-          "low light", "strong lens", "far small prints", "telephoto", "drone", "rotating targets", "tilted prints", "rolling, vibrating"]
+          "low light", "strong lens", "far small prints", "telephoto", "drone", "rotating targets", "tilted prints", "rolling, vibrating", "mixture"]
 STATEMENTS = {  # [known_to]: position mm, rotation deg, height mm, print scale
     "default": (1.0, 0.3, 3.0, 0.0005),
     "taped": (0.5, 0.2, 1.0, 0.0005),
@@ -39,7 +39,14 @@ def base_factors(rng):
 
 def of_group(group, f, rng):
     """Changes the factors of a clean recording to those of a group."""
-    if group.startswith("rolling"):
+    if group == "mixture":
+        # A later group overwrites what an earlier one set, so their order is drawn, too.
+        f["mixture"] = "+".join(rng.sample(GROUPS[1:-1], rng.randint(2, 4)))
+        group = f["mixture"]
+    if "+" in group:
+        for name in group.split("+"):
+            f = of_group(name, f, rng)
+    elif group.startswith("rolling"):
         if group == "rolling, vibrating":
             group = rng.choice(["rolling, stated", "rolling, not stated"])
             f.update(shake_deg=10 ** rng.uniform(-2.7, -1.5), shake_hz=rng.uniform(20, 160))

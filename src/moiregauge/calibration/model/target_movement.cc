@@ -28,6 +28,8 @@ constexpr double kTimesRms = 3.0;
 constexpr double kHarmless = 3e-3;
 
 constexpr std::size_t kMinFrames = 4;
+// Least mean square of a slow movement out of the plane, relative to that of the median reference. Chosen.
+constexpr double kAboveReferences = 2.0;
 // Largest misfit of a frame, relative to the median. Chosen.
 constexpr double kWorseThanMedian = 5.0;
 
@@ -188,7 +190,7 @@ class MovementSeries {
   std::vector<ShownMovement> shown_;
 };
 
-// Returns the mean square about the mean that the median reference shows, in units of that of noise, at least 1.
+// Returns the mean square about the mean that the median reference shows, in units of that of noise; 1 if unknown.
 // References do not move, so this is what a rolling shutter or hot air leave.
 Movement4 shown_by_references(const Site& site, const std::vector<MovementSeries>& series) {
   Movement4 out = Movement4::Ones();
@@ -201,16 +203,19 @@ Movement4 shown_by_references(const Site& site, const std::vector<MovementSeries
     if (shown.empty()) continue;
     const auto middle = shown.begin() + static_cast<long>(shown.size() / 2);
     std::nth_element(shown.begin(), middle, shown.end());
-    out(axis) = std::max(1.0, *middle);
+    out(axis) = *middle;
   }
   return out;
 }
 
-// Returns the movement of a target, zero if it is only displaced. `least`: mean squares that prove it.
-TargetMovement movement_of(const MovementSeries& series, const Movement4& least, const HeightScatter& heights) {
+// Returns the movement of a target, zero if it is only displaced. `references`: mean squares that they show.
+TargetMovement movement_of(const MovementSeries& series, const Movement4& references, const HeightSeries& heights) {
   if (series.frames() < kMinFrames) return {};
-  const Movement4 beyond = series.in_noise(series.mean()) - least;
-  const bool leaves_plane = beyond(MovementAxis::kHeight) > 0.0 && heights.mean_square() > kHeightScatters;
+  const Movement4 shown = series.in_noise(series.mean()), least = kProvenMovement * references.cwiseMax(1.0),
+                  beyond = shown - least;
+  const bool drifts =
+      heights.drifts() && shown(MovementAxis::kHeight) > kAboveReferences * references(MovementAxis::kHeight);
+  const bool leaves_plane = drifts || (heights.scatters() && beyond(MovementAxis::kHeight) > 0.0);
   const bool rotates = beyond.tail<3>().maxCoeff() > 0.0;
   const Movement4 square = series.mean_square(), noise = series.noise(), proven = series.in_noise(Movement4::Zero());
   TargetMovement out;
@@ -248,7 +253,7 @@ void add_prior(const MovementColumns& columns, const Movement4& prior, PatchInfo
 
 TargetMovements find_movements(const Site& site, const Scene& scene, std::span<const BundleFrame> frames) {
   std::vector<MovementSeries> series(site.markers.size());
-  std::vector<HeightScatter> heights(site.markers.size());
+  std::vector<HeightSeries> heights(site.markers.size());
   for (const BundleFrame& frame : frames) {
     const FrameFit fit = fit_frame(site, scene, frame, FrameDetail::kSamples);
     const auto shown = shown_heights(site, scene, frame, fit);
@@ -261,10 +266,10 @@ TargetMovements find_movements(const Site& site, const Scene& scene, std::span<c
     }
   }
   for (MovementSeries& one : series) one.keep_what_fits();
-  const Movement4 least = kProvenMovement * shown_by_references(site, series);
+  const Movement4 references = shown_by_references(site, series);
   TargetMovements out(series.size());
   for (std::size_t i = 0; i < series.size(); ++i) {
-    if (site.markers[i].role != Role::kReference) out[i] = movement_of(series[i], least, heights[i]);
+    if (site.markers[i].role != Role::kReference) out[i] = movement_of(series[i], references, heights[i]);
   }
   return std::ranges::any_of(out, &TargetMovement::moves) ? out : TargetMovements{};
 }

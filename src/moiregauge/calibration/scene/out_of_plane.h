@@ -44,24 +44,29 @@ struct OutOfPlane {
 
 [[nodiscard]] OutOfPlane out_of_plane(const ShownHeight& now, const ShownHeight& then);
 
-// Mean square of HeightScatter that proves a movement out of the plane. Noise in ten frames exceeds 4 once in 30 000
-// runs. Chosen.
-inline constexpr double kHeightScatters = 4.0;
-
-// Scatter of a target's heights over many frames, as each axis of its grating shows them. It is independent of the
-// noise of the reference frame, and small movements in many frames add up.
-class HeightScatter {
+// Heights of a target over many frames, as each axis of its grating shows them. They are independent of the noise of the
+// reference frame, and small movements in many frames add up.
+class HeightSeries {
  public:
+  // Adds the next frame in order of time.
   void add(const ShownHeight& shown);
-  // Returns the mean square deviation from the mean in units of u^2: the smaller one of both axes. 0 below ten frames.
-  [[nodiscard]] double mean_square() const;
+  // Return true if both axes of the grating prove a movement out of the plane. The heights scatter by more than the
+  // stated noise, or drift by more than they change from frame to frame. Behind a codec the stated noise is too large.
+  [[nodiscard]] bool scatters() const;
+  [[nodiscard]] bool drifts() const;
 
  private:
-  struct Sums {
+  struct Axis {
     double weight = 0.0, first = 0.0, second = 0.0;  // sums of 1, h and h^2, weighted
+    double sum = 0.0, squares = 0.0;                 // sums of h and h^2
+    double last = 0.0, steps = 0.0;                  // last h, and the sum of the squared steps between frames
+    [[nodiscard]] bool scatters(double frames) const;
+    [[nodiscard]] bool drifts(double frames, double u_mm) const;
   };
-  std::array<Sums, 2> axes_;
+  static constexpr long kMinFrames = 10;  // chosen
+  std::array<Axis, 2> axes_;
   std::optional<ShownHeight> first_;
+  double u_view_mm_ = 0.0;  // largest u by the change of view
   long frames_ = 0;
 };
 

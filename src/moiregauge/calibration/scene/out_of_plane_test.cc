@@ -72,5 +72,55 @@ TEST(OutOfPlane, AStretchAlongOneAxisIsNoMovement) {
   }
 }
 
+constexpr long kSeriesFrames = 24;
+
+// Heights of a target at 1 m, with noise of 0.1 mm along each axis. The stated u is 2.5 times that, as behind a codec.
+template <typename Moved>
+HeightSeries heights_of(std::mt19937_64& rng, const Moved& moved) {
+  std::normal_distribution<double> noise(0.0, 0.1);
+  HeightSeries series;
+  for (long k = 0; k < kSeriesFrames; ++k) {
+    const double by_x = moved(k) + noise(rng), by_y = moved(k) + noise(rng);
+    ShownHeight shown;
+    shown.height_mm = 0.5 * (by_x + by_y), shown.u_height_mm = 0.25 / std::sqrt(2.0);
+    shown.stretch = (by_x - by_y) / 1000.0, shown.u_stretch = 2.0 * shown.u_height_mm / 1000.0;
+    shown.camera.shift = {0.0, 0.0, 1000.0};
+    series.add(shown);
+  }
+  return series;
+}
+
+// A step of 0.4 mm is within the stated scatter: its mean square is (0.2 / 0.35)^2 + (0.1 / 0.35)^2 = 0.4. Between frames
+// the heights change by noise alone, so the variance is 5 times that of the steps.
+TEST(HeightSeries, ASlowMovementIsProvenByWhatChangesFromFrameToFrame) {
+  std::mt19937_64 rng(test::kFootageSeed);
+  int step = 0, noise = 0, alternating = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    const HeightSeries moved = heights_of(rng, [](long k) { return k < kSeriesFrames / 2 ? 0.0 : 0.4; });
+    EXPECT_FALSE(moved.scatters());
+    step += moved.drifts();
+    noise += heights_of(rng, [](long) { return 0.0; }).drifts();
+    alternating += heights_of(rng, [](long k) { return k % 2 == 0 ? 0.0 : 0.4; }).drifts();
+  }
+  // 1 / 5 is 1.2 standard deviations below 1 / 2.3. Both axes together are below it in four trials of five.
+  EXPECT_GT(step, 800) << "seed " << test::kFootageSeed;
+  // Noise exceeds three standard deviations once in 700, both axes once in 500 000.
+  EXPECT_EQ(noise, 0) << "seed " << test::kFootageSeed;
+  EXPECT_EQ(alternating, 0) << "seed " << test::kFootageSeed;
+}
+
+// A change of 0.03 mm at 1 m is that by the view alone: 2e-5 of the distance is 0.02 mm.
+TEST(HeightSeries, AChangeBySizeOfTheSameViewIsNoMovement) {
+  HeightSeries series;
+  for (long k = 0; k < kSeriesFrames; ++k) {
+    ShownHeight shown;
+    shown.height_mm = k < kSeriesFrames / 2 ? 0.0 : 0.03;
+    shown.u_height_mm = 0.01, shown.u_stretch = 1e-5;
+    shown.camera.shift = {0.0, 0.0, 1000.0};
+    series.add(shown);
+  }
+  EXPECT_FALSE(series.drifts());
+}
+
 }  // namespace
 }  // namespace moiregauge::internal

@@ -118,7 +118,7 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
   if (by_noise_) solved.by_noise.then = fit_by_noise(0, solved_.calibration.bundle.frames.front());
   const std::vector<bool> outruns = outruns_continuity(site_, solved_.frames.starts());
   std::vector<RowOutOfPlane> out_of_plane_rows;
-  std::vector<HeightScatter> scatter(site_.markers.size());
+  std::vector<HeightSeries> heights(site_.markers.size());
   for (std::size_t n = 0; n < observations.size(); ++n) {
     const Observation& seen = observations[n];
     const FrameFit& now = solved.now;
@@ -145,14 +145,14 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
         widen_by_motion(sample, solved_.smear, place[n]);
       }
       const auto moved = movement_out_of_plane(i, solved);
-      if (moved && sample.status == Status::kOk) scatter[i].add(*solved.heights[i]);
+      if (moved && sample.status == Status::kOk) heights[i].add(*solved.heights[i]);
       if (moved && sample.status == Status::kOk && may_matter(*moved, sample))
         out_of_plane_rows.push_back({solution.samples.size(), *moved});
       solution.samples.push_back(judged(sample));
     }
   }
   const bool knows_f = knows_focal_length(scene_, scene_.stated_covariance());
-  auto notes = distrust_out_of_plane(site_, out_of_plane_rows, scatter, solution.samples, knows_f);
+  auto notes = distrust_out_of_plane(site_, out_of_plane_rows, heights, solution.samples, knows_f);
   // Such a target bends the camera's pose, and the references may then seem to move.
   if (!notes.empty()) {
     solution.remedy = fmt::format(
@@ -250,8 +250,8 @@ Samples FramesInScene::measure_one(const Observation& seen, const std::optional<
 
 // No row of a scene in doubt is trusted.
 Sample FramesInScene::judged(Sample sample) const {
-  const bool is_doubtful = solved_.doubtful || solved_.camera_contradicted || solved_.height_contradicted ||
-                           (solved_.shutter && solved_.shutter->vibration.is_too_large);
+  const bool is_doubtful =
+      solved_.doubtful || solved_.camera_contradicted || solved_.height_contradicted || solved_.vibrates;
   if (is_doubtful && sample.frame != reference_.seen.frame && sample.status == Status::kOk)
     sample.status = Status::kUntrusted;
   return sample;

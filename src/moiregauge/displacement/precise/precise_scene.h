@@ -39,6 +39,7 @@ struct PreciseScene {
 
   bool references_verified = false;
   bool doubtful = false;             // one of the references moves, and it is unknown which
+  bool vibrates = false;             // the camera vibrates within the readout, by more than its rows show
   bool camera_contradicted = false;  // the footage contradicts the given camera
   bool height_contradicted = false;  // the footage contradicts the stated height of a target
   std::vector<std::string> notes;    // warnings for the user

@@ -59,13 +59,13 @@ bool is_out_of_plane(const OutOfPlane& moved, const Sample& sample) {
 }
 
 std::vector<std::string> distrust_out_of_plane(const Site& site, std::span<const RowOutOfPlane> rows,
-                                               std::span<const HeightScatter> scatter, Samples& samples,
+                                               std::span<const HeightSeries> heights, Samples& samples,
                                                bool knows_focal_length) {
   std::map<std::size_t, OutOfPlane> targets;  // largest movement
   const double sure = sure_among(samples.size());
   for (const RowOutOfPlane& row : rows) {
     const std::size_t marker = samples[row.sample].marker;
-    if (!(row.moved.in_u > sure || scatter[marker].mean_square() > kHeightScatters)) continue;
+    if (!(row.moved.in_u > sure || heights[marker].scatters() || heights[marker].drifts())) continue;
     OutOfPlane& largest = targets[marker];
     if (std::abs(row.moved.height_mm) > std::abs(largest.height_mm)) largest = row.moved;
   }

@@ -36,11 +36,11 @@ struct RowOutOfPlane {
 };
 
 // Marks all rows of targets that move out of their plane as untrusted. One row must be significant among all samples,
-// or the heights scatter by more than twice their u. The scene's one height is then wrong in all frames, and the pose
+// or the heights scatter or drift (HeightSeries). The scene's one height is then wrong in all frames, and the pose
 // hides an unknown part. Returns one warning per such target.
-// `scatter`: of the heights of all rows, one per site marker.
+// `heights`: of all rows, one per site marker.
 [[nodiscard]] std::vector<std::string> distrust_out_of_plane(const Site& site, std::span<const RowOutOfPlane> rows,
-                                                             std::span<const HeightScatter> scatter, Samples& samples,
+                                                             std::span<const HeightSeries> heights, Samples& samples,
                                                              bool knows_focal_length);
 
 }  // namespace moiregauge::internal

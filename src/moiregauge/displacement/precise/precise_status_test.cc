@@ -90,7 +90,7 @@ TEST(PreciseStatus, AFringeWithATenthOfItsPixelsClippedIsSaturated) {
 struct Rows {
   Samples samples;
   std::vector<RowOutOfPlane> out_of_plane;
-  std::vector<HeightScatter> scatter{1};
+  std::vector<HeightSeries> heights{1};
   void add(double height_mm) {
     Sample sample;
     sample.status = Status::kOk;
@@ -109,9 +109,9 @@ TEST(PreciseStatus, ATargetThatMovesTowardsTheCameraIsUntrusted) {
   site.markers[0].name = "T1";
   Rows still, moving;
   for (int n = 0; n < 400; ++n) still.add(n == 100 ? 0.3 : 0.0), moving.add(n < 300 ? 0.0 : n == 300 ? 0.3 : -2.0);
-  EXPECT_TRUE(distrust_out_of_plane(site, still.out_of_plane, still.scatter, still.samples, true).empty());
+  EXPECT_TRUE(distrust_out_of_plane(site, still.out_of_plane, still.heights, still.samples, true).empty());
   EXPECT_EQ(still.samples[100].status, Status::kOk);
-  const auto notes = distrust_out_of_plane(site, moving.out_of_plane, moving.scatter, moving.samples, true);
+  const auto notes = distrust_out_of_plane(site, moving.out_of_plane, moving.heights, moving.samples, true);
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_NE(notes[0].find("'T1' moves away from the camera by at least 1.8 mm"), std::string::npos) << notes[0];
   EXPECT_EQ(moving.samples[299].status, Status::kUntrusted);
@@ -126,7 +126,7 @@ TEST(PreciseStatus, NoLengthIsStatedWithoutAFocalLength) {
   site.markers[0].name = "T1";
   Rows moving;
   for (int n = 0; n < 40; ++n) moving.add(n < 30 ? 0.0 : 2.0);
-  const auto notes = distrust_out_of_plane(site, moving.out_of_plane, moving.scatter, moving.samples, false);
+  const auto notes = distrust_out_of_plane(site, moving.out_of_plane, moving.heights, moving.samples, false);
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_NE(notes[0].find("'T1' moves towards the camera"), std::string::npos) << notes[0];
   EXPECT_EQ(notes[0].find("mm"), std::string::npos) << notes[0];
