@@ -84,9 +84,9 @@ std::optional<std::string> still_camera_note(const Scene& scene, std::span<const
   const double turn_deg = std::hypot(turns[0], turns[1], turns[2]) * 360.0 / kTwoPi;
   if (turn_deg > kHardlyTurns_deg || std::hypot(goes[0], goes[1], goes[2]) > kHardlyGoes * std::abs(first.shift[2]))
     return std::nullopt;
-  const std::string lens =
-      scene.model.radial ? fmt::format(" (k1 {:.2g}, u {:.2g})", scene.camera.k1, std::sqrt(scene.stated_covariance()(kK1, kK1)))
-                         : "";
+  const std::string lens = scene.model.radial ? fmt::format(" (k1 {:.2g}, u {:.2g})", scene.camera.k1,
+                                                            std::sqrt(scene.stated_covariance()(kK1, kK1)))
+                                              : "";
   return fmt::format(
       "note: displacements are reliable, but do not reuse this run's lens{}: the camera hardly moved ({:.2g} deg). To "
       "calibrate a lens, move the camera on purpose",

@@ -390,7 +390,14 @@ class SceneSolver {
   // Behind a codec the stated u covers a vibration within the readout as if it were noise of each grating. It is common to
   // all, so it can be larger at a target.
   void test_for_vibration_behind_codec() {
-    const BundleSolution as_read{out_.calibration.bundle.scene, key_frames_of(out_.frames)};
+    // The frames of the solution without its print error, which would hide the vibration.
+    BundleSolution as_read{out_.calibration.bundle.scene, {}};
+    const auto starts = out_.frames.starts();
+    for (const BundleFrame& frame : out_.calibration.bundle.frames) {
+      const auto at = std::ranges::find(starts, frame.frame, &FrameStart::frame);
+      if (at == starts.end()) return;
+      as_read.frames.push_back(out_.frames.without_flawed_targets(static_cast<std::size_t>(at - starts.begin())));
+    }
     if (!(chi2_dof_of_places(site_, as_read, out_.calibration.fits) > kVibratesBehindCodec)) return;
     out_.vibrates = true;
     out_.remedy = "fasten or damp the camera, use one with a shorter readout, or record at a higher bit rate";
