@@ -10,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <mutex>
@@ -94,9 +95,14 @@ class Subscriber {
     });
     mosquitto_connect_callback_set(
         client_, [](mosquitto* client, void*, int) { mosquitto_subscribe(client, nullptr, "bridge/#", 1); });
+    mosquitto_subscribe_callback_set(client_, [](mosquitto*, void* self, int, int, const int*) {
+      static_cast<Subscriber*>(self)->is_subscribed_ = true;
+    });
     mosquitto_reconnect_delay_set(client_, 1, 1, false);
     mosquitto_connect(client_, "127.0.0.1", port, 30);
     mosquitto_loop_start(client_);
+    // Messages before the subscription would be lost.
+    for (int i = 0; i < 1500 && !is_subscribed_; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   Subscriber(const Subscriber&) = delete;
   Subscriber& operator=(const Subscriber&) = delete;
@@ -124,6 +130,7 @@ class Subscriber {
  private:
   std::mutex mutex_;
   std::vector<std::pair<std::string, std::string>> messages_;
+  std::atomic<bool> is_subscribed_ = false;
   mosquitto* client_;
 };
 
