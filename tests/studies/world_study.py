@@ -82,6 +82,10 @@ def judge(out, clip):
     errors.refused = int(errors.ok < 0.5 * errors.rows)
     if errors.ok < errors.rows:
         words.insert(0, "statuses: " + ", ".join(f"{name} {count}" for name, count in counts.items()))
+    f, u_f = result["camera"]["fx"], result["camera"]["u"].get("fx")
+    if f and u_f:
+        true_f = json.loads((clip / "factors.json").read_text())["focal_px"]
+        words.append(f"focal length {f:.1f} px, u {u_f:.1f} px, off by {(f - true_f) / u_f:.1f} u")
     words.append(f"model {result['scene']['model']}, readout_s {result['scene']['readout_s']}, tone {result['input']['tone']}, method {result['method']}")
     return errors, words, result["warnings"]
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -55,7 +55,7 @@ ByScene by_scene(const PatchResidual& patch, const PatchResidual::Design& design
   return out;
 }
 
-// Calls `use(design, patch, frame, fit)` for every frame in which the print was read.
+// Calls `use(patch, design, frame, fit)` for every frame in which the print was read.
 template <typename Use>
 void for_each_reading(const Site& site, const BundleSolution& solution, std::span<const FrameFit> fits,
                       std::size_t marker, const Use& use) {
@@ -104,14 +104,9 @@ double squared_along(const Affine& columns, const Vector18& v) {
   return along.dot(normal.ldlt().solve(along));
 }
 
-// Returns how far the frames determine the parameters of references and camera: each counts 1 if wholly, 0 if the
-// prior does.
-double determined(const Site& site, std::span<const FrameFit> fits, const Eigen::MatrixXd& covariance) {
-  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
-  for (const FrameFit& fit : fits) {
-    if (fit.ok) add_scene_information(fit, information);
-  }
-  const Eigen::VectorXd known = information.cwiseProduct(covariance).rowwise().sum();
+// Returns how many parameters of camera and references the frames determine.
+double determined_by_references(const Site& site, std::span<const FrameFit> fits, const Eigen::MatrixXd& covariance) {
+  const Eigen::VectorXd known = determined(fits, covariance);
   double sum = known.head(kCommonParameters).sum();
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     if (site.markers[i].role == Role::kReference) sum += known.segment<kShapeParameters>(shape_row(i, 0)).sum();
@@ -123,7 +118,7 @@ double determined(const Site& site, std::span<const FrameFit> fits, const Eigen:
 
 double persistent_error_mm(const Site& site, const BundleSolution& solution, std::span<const FrameFit> fits,
                            const Eigen::MatrixXd& covariance) {
-  double square = 0.0, noise = 0.0, dof = -kPose - determined(site, fits, covariance);
+  double square = 0.0, noise = 0.0, dof = -kPose - determined_by_references(site, fits, covariance);
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     if (site.markers[i].role != Role::kReference) continue;
     const Residuals residuals = residuals_of(site, solution, fits, i);
@@ -135,59 +130,59 @@ double persistent_error_mm(const Site& site, const BundleSolution& solution, std
 }
 
 double chi2_dof_of_places(const Site& site, const BundleSolution& solution, std::span<const FrameFit> fits) {
+  const Affine affine = affine_columns();
   double chi2 = 0.0, dof = 0.0;
   for (const FrameFit& fit : fits) {
     if (fit.ok) dof += static_cast<double>(fit.dof);
   }
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    if (site.markers[i].role != Role::kReference) {
+      // The two are its shift.
+      for_each_reading(site, solution, fits, i,
+                       [&](const PatchResidual& patch, const auto&...) { dof -= patch.rank() - 2.0; });
+      continue;
+    }
     const Residuals residuals = residuals_of(site, solution, fits, i);
-    const bool is_target = site.markers[i].role != Role::kReference;
-    if (is_target || residuals.frames < kMinFrames) {
-      const double unknowns = is_target ? 2.0 : 0.0;  // shift
-      dof -= residuals.frames * (residuals.coordinates - unknowns);
+    if (residuals.frames < kMinFrames) {
+      dof -= residuals.frames * residuals.coordinates;
       continue;
     }
     const Vector18 mean = residuals.sum / (site.markers[i].grating->pitch_mm * residuals.frames);
     for_each_reading(site, solution, fits, i, [&](const PatchResidual& patch, const auto& design, const auto&...) {
       const Vector18 residual = design.col(PatchColumn::kResidual);
-      chi2 += squared_along(patch.root() * affine_columns(), residual - patch.root() * mean);
+      chi2 += squared_along(patch.root() * affine, residual - patch.root() * mean);
     });
-    // Coordinates beyond an affine map are not counted.
-    const double within = std::max(0.0, residuals.coordinates - kAffine * residuals.coordinates / kSize);
-    dof -= residuals.frames * within + residuals.coordinates - within;
+    // Coordinates beyond an affine map are not counted, and the mean takes one of each of the rest.
+    const double along = residuals.coordinates * kAffine / kSize;
+    dof -= residuals.frames * (residuals.coordinates - along) + along;
   }
   return dof > 0.0 ? chi2 / dof : 0.0;
 }
 
-Eigen::MatrixXd with_persistent_errors(const Site& site, const BundleSolution& solution, std::span<const FrameFit> fits,
-                                       const Eigen::MatrixXd& covariance, std::span<const double> error_mm) {
+Eigen::MatrixXd covariance_with_persistent_errors(const Site& site, const Calibration& calibration,
+                                                  const SceneModel& model) {
+  const BundleSolution& solution = calibration.bundle;
+  const auto covariance_of = [&](const SceneModel& of) {
+    return scene_covariance(site, calibration.fits, calibration.prior, of);
+  };
+  const double error_mm = persistent_error_mm(site, solution, calibration.fits, covariance_of(solution.scene.model));
+  const Eigen::MatrixXd covariance = covariance_of(model);
   Eigen::MatrixXd out = covariance;
-  for (std::size_t i = 0; i < site.markers.size(); ++i) {
-    if (!(error_mm[i] > 0.0) || !site.markers[i].grating) continue;
+  for (std::size_t i = 0; error_mm > 0.0 && i < site.markers.size(); ++i) {
+    if (!site.markers[i].grating) continue;
     // Columns: each coordinate of each point, then both that all points have in common.
     Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(covariance.rows(), kSize + 2);
     for_each_reading(
-        site, solution, fits, i,
+        site, solution, calibration.fits, i,
         [&](const PatchResidual& patch, const auto& design, const BundleFrame& frame, const FrameFit& fit) {
           slope.leftCols<kSize>() += by_scene(patch, design, frame, fit, i).transpose() * patch.root();
         });
     slope.col(kSize) = slope.leftCols<kPatchPoints>().rowwise().sum();
     slope.col(kSize + 1) = slope.middleCols<kPatchPoints>(kPatchPoints).rowwise().sum();
-    const Eigen::MatrixXd change = error_mm[i] / site.markers[i].grating->pitch_mm * covariance * slope;
+    const Eigen::MatrixXd change = error_mm / site.markers[i].grating->pitch_mm * covariance * slope;
     out += change * change.transpose();
   }
   return out;
-}
-
-Eigen::MatrixXd covariance_with_persistent_errors(const Site& site, const Calibration& calibration,
-                                                  const SceneModel& model) {
-  const auto covariance_of = [&](const SceneModel& of) {
-    return scene_covariance(site, calibration.fits, calibration.prior, of);
-  };
-  const BundleSolution& solution = calibration.bundle;
-  const double error_mm = persistent_error_mm(site, solution, calibration.fits, covariance_of(solution.scene.model));
-  return with_persistent_errors(site, solution, calibration.fits, covariance_of(model),
-                                std::vector<double>(site.markers.size(), error_mm));
 }
 
 }  // namespace moiregauge::internal

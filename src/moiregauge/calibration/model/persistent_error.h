@@ -22,17 +22,11 @@ namespace moiregauge::internal {
 [[nodiscard]] double chi2_dof_of_places(const Site& site, const BundleSolution& solution,
                                         std::span<const FrameFit> fits);
 
-// Returns the covariance of the scene with persistent errors. The errors of a print are e in each coordinate of each
-// point, and e in common to all nine.
+// Returns the covariance of a solved scene with this model, with the persistent errors that its references show. They are
+// e in each coordinate of each point of a print, and e in common to all nine. Prints of targets have the same e, because
+// all prints usually come from one printer.
 // Model: errors e change half the slope of chi2 by G e, and the solution by C G e with its covariance C. So C becomes
 // C + C G E G^T C, with E the covariance of e (the sandwich of Huber, 1967).
-// `error_mm`: one per site marker.
-[[nodiscard]] Eigen::MatrixXd with_persistent_errors(const Site& site, const BundleSolution& solution,
-                                                     std::span<const FrameFit> fits, const Eigen::MatrixXd& covariance,
-                                                     std::span<const double> error_mm);
-
-// Returns the covariance of a solved scene with this model, with the persistent errors that its references show. Prints
-// of targets have the same, because all prints usually come from one printer.
 [[nodiscard]] Eigen::MatrixXd covariance_with_persistent_errors(const Site& site, const Calibration& calibration,
                                                                 const SceneModel& model);
 

@@ -81,7 +81,7 @@ TEST(PersistentError, IsFoundAsLargeAsItIs) {
   EXPECT_LT(without, 0.3e-3) << "seed " << test::kFootageSeed;
 }
 
-// Only what differs from frame to frame counts: 1 for noise, with roughness of 1.8 times the noise. A
+// Only what differs from frame to frame counts. That is 1 for noise, also with roughness of 1.8 times the noise. A
 // movement of one reference that alternates by six times the noise of a point counts.
 TEST(PersistentError, DoesNotVary) {
   std::mt19937_64 rng(test::kFootageSeed);

@@ -78,17 +78,6 @@ double dof_of_target(const PatchResidual& patch, const PatchResidual::Design& de
   return patch.rank() - 2.0 - (by_pose * fit.pose_covariance).cwiseProduct(by_pose).sum();
 }
 
-// Returns how far the frames determine each scene parameter: 1 if wholly, 0 if the prior does.
-Eigen::VectorXd determined(const Site& site, std::span<const FrameFit> fits, const ScenePrior& prior,
-                           const SceneModel& model) {
-  const Eigen::MatrixXd covariance = scene_covariance(site, fits, prior, model);
-  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
-  for (const FrameFit& fit : fits) {
-    if (fit.ok) add_scene_information(fit, information);
-  }
-  return information.cwiseProduct(covariance).rowwise().sum();  // the product's diagonal: both are symmetric
-}
-
 // Returns true if targets share the print error of the references. What the path of a rolling shutter does not explain
 // shows in all prints.
 bool is_shared(std::span<const BundleFrame> frames) { return !frames.empty() && frames.front().rows.has_value(); }
@@ -154,6 +143,14 @@ bool are_alike(const PrintError& a, const PrintError& b, double share) {
   return is_alike(a.references_mm, b.references_mm) && is_alike(a.marker_jitter_mm, b.marker_jitter_mm);
 }
 
+Eigen::VectorXd determined(std::span<const FrameFit> fits, const Eigen::MatrixXd& covariance) {
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
+  for (const FrameFit& fit : fits) {
+    if (fit.ok) add_scene_information(fit, information);
+  }
+  return information.cwiseProduct(covariance).rowwise().sum();  // the product's diagonal: both are symmetric
+}
+
 std::vector<BundleFrame> with_print_error(const Site& site, std::span<const BundleFrame> frames,
                                           const PrintError& error) {
   std::vector<BundleFrame> out(frames.begin(), frames.end());
@@ -174,7 +171,8 @@ std::vector<BundleFrame> with_print_error(const Site& site, std::span<const Bund
 
 PrintError print_error(const Site& site, const Scene& scene, std::span<const BundleFrame> frames,
                        std::span<const FrameFit> fits, const ScenePrior& prior) {
-  const auto groups = groups_of(site, scene, frames, fits, determined(site, fits, prior, scene.model));
+  const auto groups =
+      groups_of(site, scene, frames, fits, determined(fits, scene_covariance(site, fits, prior, scene.model)));
   PrintError out;
   out.references_mm = error_of(groups.back());
   for (std::size_t i = 0; i < site.markers.size(); ++i)
@@ -195,7 +193,7 @@ double error_in_frame(const Site& site, const Scene& scene, const BundleFrame& f
 }
 
 double noise_share(const Site& site, const SceneModel& model, std::span<const FrameFit> fits, const ScenePrior& prior) {
-  double chi2 = 0.0, dof = -determined(site, fits, prior, model).sum();
+  double chi2 = 0.0, dof = -determined(fits, scene_covariance(site, fits, prior, model)).sum();
   for (const FrameFit& fit : fits) {
     if (fit.ok) chi2 += fit.chi2_sum, dof += static_cast<double>(fit.dof);
   }

@@ -42,6 +42,9 @@ struct PrintError {
 [[nodiscard]] std::vector<BundleFrame> with_print_error(const Site& site, std::span<const BundleFrame> frames,
                                                         const PrintError& error);
 
+// Returns how far the frames determine each scene parameter: 1 if wholly, 0 if the prior does. `covariance`: of the scene.
+[[nodiscard]] Eigen::VectorXd determined(std::span<const FrameFit> fits, const Eigen::MatrixXd& covariance);
+
 // Returns the print errors u_p in mm: with them, chi2 of the references and of each target equals its degrees of
 // freedom. They are 0 where noise explains chi2, and at most 0.05 pitch. All parameters must be free in the scene.
 // Otherwise an excluded height counts as print error. The result has no jitter and noise share 1.

@@ -211,8 +211,8 @@ Movement4 shown_by_references(const Site& site, const std::vector<MovementSeries
 // Returns the movement of a target, zero if it is only displaced. `references`: mean squares that they show.
 TargetMovement movement_of(const MovementSeries& series, const Movement4& references, const HeightSeries& heights) {
   if (series.frames() < kMinFrames) return {};
-  const Movement4 shown = series.in_noise(series.mean()), least = kProvenMovement * references.cwiseMax(1.0),
-                  beyond = shown - least;
+  const Movement4 shown = series.in_noise(series.mean()), least = kProvenMovement * references.cwiseMax(1.0);
+  const Movement4 beyond = shown - least;
   const bool drifts =
       heights.drifts() && shown(MovementAxis::kHeight) > kAboveReferences * references(MovementAxis::kHeight);
   const bool leaves_plane = drifts || (heights.scatters() && beyond(MovementAxis::kHeight) > 0.0);

@@ -35,8 +35,9 @@ using TargetMovements = std::vector<TargetMovement>;  // one per site marker
 
 // Returns which targets rotate or leave their plane, with three times the rms of it. Each target is fitted with
 // displacement, height and rotation, and the pose stays that of the frame. It moves if the mean square about any axis,
-// without the largest, exceeds kProvenMovement times that of noise, and of the median reference. For the height, both axes of the
-// grating must also show it (HeightSeries). Empty: all are only displaced.
+// without the largest, exceeds kProvenMovement times that of noise, and of the median reference. For the height, both
+// axes of the grating must also show it (HeightSeries). A height that drifts needs only twice the mean square of the
+// median reference. Empty: all are only displaced.
 // `frames`: with the covariance of noise alone, and their poses in this scene.
 [[nodiscard]] TargetMovements find_movements(const Site& site, const Scene& scene, std::span<const BundleFrame> frames);
 inline constexpr double kProvenMovement = 9.0;
