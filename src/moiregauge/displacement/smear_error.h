@@ -21,7 +21,7 @@ using SmearError = std::vector<std::vector<Extent<frame::Board>>>;
 
 // Returns the uncertainty of each target's position by smear. The variance of a path along an axis follows from the
 // amplitude of the grating, relative to its light. The target's own part is what exceeds that of the references.
-// `frames`: the reference frame first. A codec's loss is blur, too, so they should be uncompressed.
+// `frames`: the reference frame first. What a codec loses looks like blur, too, so u grows with it.
 // Error: for vibrations of 0.2 to 0.9 periods per exposure it is 0.7 to 15 times the rms error. More periods are alike in
 // all frames, and show less.
 [[nodiscard]] SmearError smear_error(const Site& site, const FrameSeries& frames);

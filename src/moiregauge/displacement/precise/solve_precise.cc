@@ -98,7 +98,7 @@ SolvedRun solved_run(const Reference& reference, const Observations& observation
     run.scene.problem = "the reference frame does not give templates of four references";
   else
     run.scene = precise_scene(reference, run.read, prior, options, run.lossy);
-  if (!run.lossy) run.scene.smear = smear_error(reference.site, run.scene.frames);
+  run.scene.smear = smear_error(reference.site, run.scene.frames);
   return run;
 }
 
