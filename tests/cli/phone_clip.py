@@ -4,7 +4,6 @@
 A telephone films at 30 frames/s and 1/80 s. The hand rotates it by 6.6 deg/s in frame 0, which blurs the gratings by 5 px of
 29 px pitch. Errors are relative to truth.csv.
 """
-import csv
 import math
 
 import runs
@@ -23,11 +22,8 @@ def measured(name, settings, *codec):
     runs.run(command)
     video = next(clip.glob("video.*"))
     runs.run([program, "measure", video, "--site", clip / "site.toml", "-o", work / f"{name}-out"])
-    with open(clip / "truth.csv", encoding="ascii") as file:
-        truth = {r["frame"]: float(r["dy_mm"]) for r in csv.DictReader(file)}
-    pairs = [(1e3 * (float(dy) - truth[frame]), 1e3 * float(u)) for frame, _, _, dy, _, u, status in runs.rows(work / f"{name}-out")
-             if status == "ok" and frame != "0"]
-    rms = [math.sqrt(sum(v * v for v in values) / max(1, len(pairs))) for values in zip(*pairs)] or [math.nan, math.nan]
+    pairs = runs.errors_of_dy(work / f"{name}-out", clip)
+    rms = runs.rms_of(pairs)
     print(name, len(pairs), *rms)
     return len(pairs), *rms, max((abs(e) / u for e, u in pairs), default=math.nan)
 

@@ -1,5 +1,6 @@
 """Functions shared by the scripts of this folder: run the program, read its results."""
 import csv
+import math
 import pathlib
 import shutil
 import subprocess
@@ -28,6 +29,19 @@ def simulate(program, where, scenario="small-1xyz", frames=4, *more):
 def rows(folder, keep=("frame", "marker", "dx_mm", "dy_mm", "u_dx_mm", "u_dy_mm", "status")):
     with open(folder / "displacement.csv", newline="") as file:
         return [tuple(row[name] for name in keep) for row in csv.DictReader(file)]
+
+
+def errors_of_dy(folder, clip):
+    """Returns error and u of dy (um) of the ok rows after frame 0, relative to the truth of a clip with one target."""
+    with open(clip / "truth.csv", encoding="ascii", newline="") as file:
+        truth = {row["frame"]: float(row["dy_mm"]) for row in csv.DictReader(file)}
+    return [(1e3 * (float(dy) - truth[frame]), 1e3 * float(u)) for frame, dy, u, status in rows(folder, ("frame", "dy_mm", "u_dy_mm", "status"))
+            if status == "ok" and frame != "0"]
+
+
+def rms_of(pairs):
+    """Returns the rms of the first and of the second values, NaN if there are none."""
+    return [math.sqrt(sum(v * v for v in values) / len(pairs)) for values in zip(*pairs)] or [math.nan, math.nan]
 
 
 def insist(condition, message):
